@@ -9,6 +9,7 @@ from granwave.analysis.document.model import show
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.kinds import ReportKind, ReportRun, Symbol
 from granwave.extensions.continuum.files import CONTINUUM
+from granwave.extensions.continuum.punch.resolution import doubts
 from granwave.extensions.continuum.runs import ContinuumRun, SphereContactRun, read_elements
 
 _OF_PUNCH = (
@@ -73,6 +74,10 @@ class ElementKind(ReportKind):
     def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
         """Return the velocity of the punch as the velocity of an impact."""
         return {"load.velocity": case["punch.velocity"]} if "punch.velocity" in case else {}
+
+    def doubts(self, summary: Mapping[str, Any]) -> list[str]:
+        """Return warnings on large strains, an unresolved plastic zone and viscous losses."""
+        return doubts(summary)
 
     def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:
         """Return the unit of energies of a punch."""

@@ -1,0 +1,120 @@
+"""Plastic zones of a few elements: their uncertainty, and the texts that name it."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+
+from granwave.extensions.continuum.punch import ContinuumCase, mesh
+from granwave.extensions.continuum.punch.resolution import (
+    ELEMENTS,
+    ERROR,
+    FEWEST,
+    FRACTION,
+    RESOLVED,
+    VISCOUS,
+    doubts,
+    resolution,
+    zone_elements,
+)
+from granwave.extensions.continuum.punch.run import BlockRun, run_continuum
+from granwave.workflows.cli.main import main
+
+LIGHT = {
+    "name": "light",
+    "material": "brass",
+    "punch": {"mass": 0.00445, "velocity": 12.0},
+    "run": {"elements": 4000},
+}
+
+
+def summary_of(elements, mass, velocity):
+    tables = {
+        "name": "case",
+        "material": "brass",
+        "punch": {"mass": mass, "velocity": velocity},
+        "run": {"elements": elements},
+    }
+    run = BlockRun(ContinuumCase.from_dict(tables))
+    run.integrate()
+    return run.summarise(1.0)
+
+
+def shifted_mesh(shift):
+    """Function that makes the mesh of a block with its edge shifted by a fraction of an element."""
+    usual = mesh.block_mesh
+
+    def make(radius, height, edge, elements, **options):
+        lines = usual(radius, height, edge, elements, **options).r
+        outside = np.searchsorted(lines, edge)
+        width = lines[outside] - lines[outside - 1]
+        return usual(radius, height, edge + shift * width, elements, **options)
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("elements", "mass", "velocity"),
+    [(4000, 0.1, 4.0), (4000, 0.1, 6.0), (2000, 0.00445, 20.0), (4000, 0.1, 12.0)],
+)
+def test_uncertainty_covers_the_position_of_the_nodes(monkeypatch, elements, mass, velocity):
+    """A shift of the nodes by a fraction of an element changes the dissipated fraction by less than
+    the uncertainties of both.
+    """
+    found = []
+    for shift in (-0.375, -0.125, 0.125, 0.375):
+        with monkeypatch.context() as patch:
+            patch.setattr(mesh, "block_mesh", shifted_mesh(shift))
+            found.append(summary_of(elements, mass, velocity))
+    for one, other in itertools.combinations(found, 2):
+        assert abs(one[FRACTION] - other[FRACTION]) < math.hypot(one[ERROR], other[ERROR])
+
+
+def test_elements_are_counted_by_energy_density():
+    work = np.array([0.0, 1.0, 5.0, 4.0, 0.5])
+    volume = np.array([1.0, 1.0, 10.0, 1.0, 10.0])
+    assert zone_elements(work, volume) == 3  # 4, 1 and 5 of 10.5
+    assert zone_elements(np.zeros(3), np.ones(3)) == 0
+
+
+def test_uncertainty_of_a_fraction():
+    found = resolution(0.01, 4, 0.0)
+    assert found == {ERROR: pytest.approx(0.005), ELEMENTS: 4, RESOLVED: False}
+    assert resolution(0.2, FEWEST, 1e-4)[RESOLVED]
+    assert resolution(0.0, 0, 3e-4) == {ERROR: 3e-4, ELEMENTS: 0, RESOLVED: None}
+
+
+def test_run_warns_of_an_unresolved_zone_and_of_viscosity(tmp_path, caplog):
+    summary = run_continuum(ContinuumCase.from_dict(LIGHT), tmp_path / "light", figures=False)
+    assert summary[ELEMENTS] < FEWEST and summary[RESOLVED] is False
+    assert summary[VISCOUS] == pytest.approx(
+        summary["energy_viscous_J"] / summary["energy_input_J"], rel=1e-12
+    )
+    zone, viscosity = doubts(summary)
+    assert zone.startswith("the plastic zone is not resolved: ") and " ± " in zone
+    assert f"dissipates {100 * summary[VISCOUS]:.2g} % of the input" in viscosity
+    for text in (zone, viscosity):
+        assert text in caplog.text
+
+
+def test_resolved_zone_gives_no_warning():
+    summary = summary_of(4000, 0.1, 12.0)
+    assert summary[RESOLVED] is True
+    assert doubts(summary) == []
+
+
+def test_report_names_both(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run_continuum(ContinuumCase.from_dict(LIGHT), tmp_path / "light", figures=False)
+    assert main(["report", "light", "-o", "page.md"]) == 0
+    page = (tmp_path / "page.md").read_text()
+    summary = json.loads((tmp_path / "light" / "summary.json").read_text())
+    (lead,) = [line for line in page.splitlines() if "of the input energy" in line]
+    assert " ± " in lead
+    assert "90 % of the plastic dissipation is within" not in page
+    assert "the plastic zone is not resolved" in page
+    assert f"artificial viscosity dissipates {100 * summary[VISCOUS]:.2g} %" in page
