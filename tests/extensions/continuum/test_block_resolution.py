@@ -22,7 +22,9 @@ from granwave.extensions.continuum.punch.resolution import (
     zone_elements,
 )
 from granwave.extensions.continuum.punch.run import BlockRun, run_continuum
+from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
+from granwave.workflows.library import find
 
 LIGHT = {
     "name": "light",
@@ -118,3 +120,32 @@ def test_report_names_both(tmp_path, monkeypatch):
     assert "90 % of the plastic dissipation is within" not in page
     assert "the plastic zone is not resolved" in page
     assert f"artificial viscosity dissipates {100 * summary[VISCOUS]:.2g} %" in page
+
+
+@pytest.fixture(scope="module")
+def packing_and_blocks(tmp_path_factory):
+    """A small packing, and blocks with an unresolved and a resolved zone."""
+    place = tmp_path_factory.mktemp("both")
+    grains = load_case(find("fcc-small"), ["packing.size=[8,8,4]", "run.end_time=1e-4"])
+    run_case(grains, place / "grains")
+    run_continuum(ContinuumCase.from_dict(LIGHT), place / "light", figures=False)
+    heavy = LIGHT | {"name": "heavy", "punch": {"mass": 0.1, "velocity": 12.0}}
+    run_continuum(ContinuumCase.from_dict(heavy), place / "heavy", figures=False)
+    return place
+
+
+def rows_of(page, run):
+    """Cells of the rows of a page in Markdown that begin with a run."""
+    lines = [line for line in page.splitlines() if line.startswith(f"| {run} | ")]
+    return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in lines]
+
+
+def test_study_omits_sizes_of_an_unresolved_zone(packing_and_blocks, monkeypatch):
+    monkeypatch.chdir(packing_and_blocks)
+    assert main(["report", "grains", "light", "heavy", "-o", "page.md"]) == 0
+    page = (packing_and_blocks / "page.md").read_text()
+    per_mass = [row for row in rows_of(page, "light") if row[1].startswith("continuum")]
+    assert any(row[-4:] == ["not resolved"] * 4 and " ± " in row[3] for row in per_mass)
+    resolved = [row for row in rows_of(page, "heavy") if row[1].startswith("continuum")]
+    assert resolved and not any("not resolved" in row for row in resolved)
+    assert "Plastic zones of a few elements are not resolved" in page
