@@ -25,6 +25,7 @@ from granwave.analysis.formatting.values import (
     unique_labels,
     unit_of,
 )
+from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
@@ -485,7 +486,9 @@ def means_of(scan: ScanResult) -> Means:
         _rows_of(widths, kept),
         protects(scan.varied, summaries),
         grains_called_in(summaries),
-        has_limited_zones=any(mark_of(summary) is Mark.CUT for summary in summaries),
+        has_limited_zones=any(
+            mark_of(summary) is Mark.CUT or is_unresolved(summary) for summary in summaries
+        ),
     )
 
 

@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 
+from granwave.analysis.reports.comparison.values import ComparedValue, differing_values
 from granwave.extensions.continuum.punch import ContinuumCase, mesh
 from granwave.extensions.continuum.punch.resolution import (
     ELEMENTS,
@@ -149,3 +150,32 @@ def test_study_omits_sizes_of_an_unresolved_zone(packing_and_blocks, monkeypatch
     resolved = [row for row in rows_of(page, "heavy") if row[1].startswith("continuum")]
     assert resolved and not any("not resolved" in row for row in resolved)
     assert "Plastic zones of a few elements are not resolved" in page
+
+
+def test_comparison_has_no_ratio_of_an_unresolved_zone(packing_and_blocks, monkeypatch, capfd):
+    monkeypatch.chdir(packing_and_blocks)
+    assert main(["compare", "grains", "light"]) == 0
+    text = capfd.readouterr().out
+    first, *_ = text.splitlines()
+    assert "dissipated fraction" in first and " ± " in first and "ratio" not in first
+    (row,) = [line for line in text.splitlines() if line.startswith("dissipated_fraction ")]
+    assert " ± " in row and row.endswith("not resolved")
+    assert "The plastic zone of light is not resolved" in text
+    assert "artificial viscosity dissipates" in text
+    assert main(["compare", "grains", "heavy"]) == 0
+    text = capfd.readouterr().out
+    assert "not resolved" not in text and "a ratio of" in text.splitlines()[0]
+
+
+def test_fractions_within_their_uncertainties_do_not_differ():
+    value = ComparedValue("dissipated_fraction", (0.003, 0.005), "", "", errors=(0.002, 0.002))
+    assert value.is_within_errors and differing_values([value]) == []
+    apart = ComparedValue("dissipated_fraction", (0.003, 0.9), "", "", errors=(0.002, None))
+    assert differing_values([apart]) == [apart]
+    assert apart.text(0.003) == "0.30 ± 0.20 %" and apart.text(0.9) == "90 %"
+
+
+def test_value_without_known_uncertainty_is_not_complete():
+    sizes = ComparedValue("zone_depth_90_m", (1e-3, 2e-3), "", "m", is_unresolved=True)
+    assert not sizes.is_complete and sizes.ratio is None
+    assert sizes.without_ratio == "not resolved"
