@@ -33,6 +33,11 @@ from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.leading_wave import stretch_speeds
 from granwave.analysis.measures.regions import stretches
 from granwave.analysis.measures.target_record import momentum_in_words, reached
+from granwave.analysis.measures.zone_resolution import (
+    error_of,
+    is_unresolved,
+    percent_with_error,
+)
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import picture_in
@@ -303,7 +308,8 @@ def in_words(run: ReportRun) -> str:
     lost = run.number("dissipated_fraction")
     absorbed = run.number("absorbed_fraction") or 0.0
     if lost:
-        values["lost"] = share(lost - absorbed)
+        error = error_of("dissipated_fraction", summary)
+        values["lost"] = percent_with_error(lost, error) if error else share(lost - absorbed)
     elif lost == 0:
         values["kept"] = values["energy_input_J"]
     if absorbed <= WORTH:
@@ -380,9 +386,10 @@ def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
 
 def _name_zone(run: ReportRun, values: dict[str, str]) -> None:
     """Change the lengths of the plastic zone: interpolated between spheres, as in the table; none
-    for a zone without both.
+    for a zone without both, or that is not resolved.
     """
-    if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
+    has_both = run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None
+    if not has_both or is_unresolved(run.summary):
         values.pop("zone_depth_90_m", None)
         return
     for name in ("zone_depth_90", "zone_radius_90"):
