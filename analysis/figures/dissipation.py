@@ -584,11 +584,10 @@ def draw_zone_size(
         }
     for percent in SHARES:
         axes.axhline(1 - percent / 100, color=GREY, linestyle=":", linewidth=0.6, zorder=0)
-    words = {"depth": "depth", "radius": "distance from the impact axis"}
-    title = ", or ".join(words[name] for name in distances)
+    title = " or ".join(distances)
     limits = {"xlim": (0, 1.05 * (reach or diameter) * _MILLI), "ylim": (_LEAST, 1)}
-    outside_of_all = "Plastic dissipation beyond\n/ total plastic dissipation"
-    title = f"{title[:1].upper()}{title[1:]} (mm)\n(${unit}$ = {diameter * _MILLI:.4g} mm)"
+    outside_of_all = "Plastic dissipation\nbeyond / total"
+    title = f"{title[:1].upper()}{title[1:]} (mm), ${unit}$ = {diameter * _MILLI:.4g} mm"
     label(axes, title, outside_of_all, log="y", **limits)
     axes.plot([], [], "o", color=GREY, markersize=4, label="contains 50, 90, 99 %")
     legend_above(axes, 2, fontsize=7)  # three columns are wider than the figure
