@@ -22,7 +22,7 @@ from granwave.analysis.figures.legends import (
 from granwave.analysis.figures.titles import in_lines
 
 _SIZES = (8.0, 7.0, 6.0, 5.0)  # font sizes, points
-_TALLEST = 0.42  # height of a legend above axes / height of the axes without it
+_TALLEST = 0.38  # height of a legend above axes / height of the axes without it
 _LOW = 0.22  # such a height below which a legend stays above axes with space for it inside
 _WIDEST_INSIDE = 0.75  # width of a legend inside axes / width of the axes
 _TALLEST_INSIDE = 0.62  # height of a legend inside axes / height of the axes
