@@ -21,6 +21,9 @@ TEXT = (
     "nominal diameter. A lower peak force and a larger dissipated fraction mean better "
     "protection."
 )
+NEEDS = (
+    "packings that differ only in diameter scatter, vacancies or friction, in at least two settings"
+)
 _LATE = 0.05  # fraction of a run
 
 
