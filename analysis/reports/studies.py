@@ -199,13 +199,18 @@ def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
                 elif run.kind.of_spheres:
                     offered.setdefault(name, {})
     made = make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
+    _warn_of_missing(made, named)
+    return made
+
+
+def _warn_of_missing(made: Sequence[Study], named: Sequence[str]) -> None:
+    """Warn of studies named by the user that do not suit the runs."""
     made_by_name = {study.named for study in made}
     for name in named:
         if name not in made_by_name:
             _LOG.warning(
                 "the report does not contain the study %s, which needs %s", name, requirement(name)
             )
-    return made
 
 
 def _runs_of_studies(

@@ -9,6 +9,10 @@ from __future__ import annotations
 from granwave.analysis.studies.tolerance.figures import pictures
 from granwave.analysis.studies.tolerance.means import tables
 from granwave.analysis.studies.tolerance.runs import select
-from granwave.analysis.studies.tolerance.sentences import NEEDS, TEXT, missing, name, title, verdict
+from granwave.analysis.studies.tolerance.sentences import TEXT, missing, name, title, verdict
 
-__all__ = ["NEEDS", "TEXT", "missing", "name", "pictures", "select", "tables", "title", "verdict"]
+__all__ = ["TEXT", "missing", "name", "pictures", "select", "tables", "title", "verdict"]
+
+NEEDS = (
+    "packings that differ only in diameter scatter, vacancies or friction, in at least two settings"
+)

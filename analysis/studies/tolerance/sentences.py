@@ -17,12 +17,9 @@ from granwave.analysis.studies.tolerance.runs import PackingRuns, imperfections
 TEXT = (
     "The values are means over the seeds, with their 95 % confidence intervals (Student). "
     "Values without an interval belong to packings without random quantities, or to a single "
-    "seed. With a diameter scatter, diameters lie between the nominal diameter minus this value and the "
-    "nominal diameter. A lower peak force and a larger dissipated fraction mean better "
+    "seed. With a diameter scatter, diameters lie between the nominal diameter minus this value "
+    "and the nominal diameter. A lower peak force and a larger dissipated fraction mean better "
     "protection."
-)
-NEEDS = (
-    "packings that differ only in diameter scatter, vacancies or friction, in at least two settings"
 )
 _LATE = 0.05  # fraction of a run
 

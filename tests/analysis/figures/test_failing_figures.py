@@ -113,6 +113,7 @@ def test_a_part_of_a_study_that_fails_costs_no_other(monkeypatch):
     ]
 
 
+@pytest.mark.failing_figures
 def test_a_failing_study_of_the_user_names_its_line(tmp_path, caplog):
     """The error is raised in a library; the message names the line of the user's file."""
     run = write_run(tmp_path / "run")
