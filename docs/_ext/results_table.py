@@ -33,9 +33,11 @@ from results_rows import (
     table_of,
 )
 from results_stored import ROOT, STORED, read_stored, read_table, row_of
+from results_wide import parts_of
 
 from granwave.analysis.document.model import (
     DocumentSection,
+    DocumentTable,
     Note,
     Report,
     cleaned,
@@ -345,7 +347,9 @@ def _suite_page(name: str, suite: Mapping[str, Any]) -> str:
     for study_name, study in suite["studies"].items():
         found = Study("", study["title"], "", tuple(flagged(row_of(row)) for row in study["rows"]))
         notes = [Note(text) for text in (study["text"], *study["verdict"]) if text]
-        tables = [Note(one) if isinstance(one, str) else read_table(one) for one in study["tables"]]
+        tables: list[Note | DocumentTable] = []
+        for one in study["tables"]:
+            tables += [Note(one)] if isinstance(one, str) else parts_of(read_table(one))
         parts = (*notes, *row_tables(found), *tables)
         if len(parts) > len(notes):
             sections.append(DocumentSection(study["title"], study_name, parts))

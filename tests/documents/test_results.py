@@ -28,6 +28,7 @@ CHOSEN = extension("results_chosen")
 ROWS_OF_TABLES = extension("results_rows")
 PICTURE = extension("results_picture")
 extension("results_coverage")
+WIDE = extension("results_wide")
 TABLE = extension("results_table")
 RESULTS = extension("results")
 STORED = STORE.read_stored()
@@ -109,6 +110,21 @@ def test_remarks_are_notes_below_a_table():
     assert "| remark |" not in table and "\n¹ " in table and " ¹ |" in table
     page = TABLE.pages_of(STORED)[TABLE.PAGES / "fcc-impact.md"]
     assert page.count(":::{dropdown}") == 1 and "](fcc-impact.webp)" in page
+
+
+def test_wide_tables_are_printed_in_parts():
+    """Each part begins with the columns that tell the rows apart, and no column is lost."""
+    columns = [[heading, "", True] for heading in "abcdefghijklmn"]
+    rows = [[str(one), str(two), *"cdefghijklmn"] for one in range(2) for two in range(3)]
+    table = STORE.read_table({"caption": "wide", "columns": columns, "rows": rows})
+    assert WIDE.number_of_keys(table) == 2
+    parts = list(WIDE.parts_of(table))
+    headings = ["".join(column.heading for column in part.columns) for part in parts]
+    assert headings == ["abcdefgh", "abijklmn"]
+    assert [part.caption for part in parts] == ["wide (1 of 2)", "wide (2 of 2)"]
+    assert all(len(part.rows) == len(rows) for part in parts)
+    narrow = table.keeping(range(WIDE.MOST))
+    assert list(WIDE.parts_of(narrow)) == [narrow]
 
 
 def test_what_is_far_off_is_named():
