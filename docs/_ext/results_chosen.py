@@ -35,7 +35,7 @@ _REFERENCE = "second_solver"
 #: name. They are the headline rows of their systems, whether they agree or not.
 CHOSEN = (
     (
-        "Reference impact: dissipated fraction, peak contact force / F_y",
+        "Reference impact, last layer fixed: dissipated fraction, peak contact force / F_y",
         "fcc-impact",
         _REFERENCE,
         ("Dissipated fraction", "Peak contact force"),

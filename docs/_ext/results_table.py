@@ -58,24 +58,30 @@ README = ROOT / "README.md"
 FIRST_PAGE = ROOT / "docs" / "index.md"
 PAPER = ROOT / "docs" / "paper" / "paper.md"
 _TITLE = "Comparison with the literature"
-_LEAD = (
-    "`make results` generates these pages from finished runs; no number is typed by hand. Four sources have short names:\n\n"
-    "* *Thesis*: R. K. Pal, *Wave tailoring in elastic and elastoplastic granular systems*, dissertation, University of "
-    "Illinois at Urbana-Champaign, 2015.\n"
-    "* *Composite chain*: a paper on waves in chains of steel spheres with a section of brass or PTFE. Our scan of it begins "
-    "with the abstract, and lacks the title, the authors, the journal and the year.\n"
-    "* *Square packing*: A. Leonard, F. Fraternali and C. Daraio, *Directional wave propagation in a highly nonlinear "
-    "square packing of spheres*, published online on 6 October 2011, Society for Experimental Mechanics.\n"
-    "* *Lateral constraints*: *Influence of lateral constraints on wave propagation in finite granular crystals*, "
-    "doi 10.1115/1.4047004. Our scan of it lacks the authors, the journal and the year.\n\n"
-    "There are four kinds of rows:\n\n"
-    "* A *source* is a value printed in the literature.\n"
-    "* *Theory* is a value that follows from equations.\n"
-    "* A *verification* tests the code only: a second solver, a check value, a formula, or a scaling of any correct "
-    "code. The second solvers are in `tests/helpers` and share no code with granwave.\n"
-    "* Rows of *granwave only* have no reference. (Their kind is `alone` in `study_rows.csv`.)\n\n"
-    "If a source states only a bound (the end of an axis, or *at most*), no difference is given."
-)
+_LEAD = """\
+`make results` generates these pages from finished runs; no number is typed by hand. Four
+sources have short names:
+
+* *Thesis*: R. K. Pal, *Wave tailoring in elastic and elastoplastic granular systems*,
+  dissertation, University of Illinois at Urbana-Champaign, 2015.
+* *Composite chain*: a paper on waves in chains of steel spheres with a section of brass or PTFE.
+  Our scan of it begins with the abstract, and lacks the title, the authors, the journal and the
+  year.
+* *Square packing*: A. Leonard, F. Fraternali and C. Daraio, *Directional wave propagation in a
+  highly nonlinear square packing of spheres*, Exp. Mech., published online on 6 October 2011.
+* *Lateral constraints*: *Influence of lateral constraints on wave propagation in finite granular
+  crystals*, J. Appl. Mech., 2020, doi 10.1115/1.4047004. Our scan of it lacks the authors and the
+  pages.
+
+There are four kinds of rows:
+
+* A *source* is a value printed in the literature.
+* *Theory* is a value that follows from equations.
+* A *verification* tests the code only: a second solver, a check value, a formula, or a scaling of
+  any correct code. The second solvers are in `tests/helpers` and share no code with granwave.
+* Rows of *granwave only* have no reference. (Their kind is `alone` in `study_rows.csv`.)
+
+If a source states only a bound (the end of an axis, or *at most*), no difference is given."""
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _COUNTS = re.compile(r"(<!-- counts -->)(.*?)(<!-- /counts -->)", re.DOTALL)
 _CLOSE = 0.1  # largest relative deviation that counts as agreement

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from granwave.analysis.document.model import DocumentTable
+from granwave.analysis.document.model import Cell, DocumentTable
 
 MOST = 9  # columns of a table on the page of a suite
 
@@ -29,8 +29,12 @@ def parts_of(table: DocumentTable) -> Iterator[DocumentTable]:
 
 def number_of_keys(table: DocumentTable) -> int:
     """Return the number of first columns whose values are distinct for all rows."""
-    texts = [tuple(cell.text for cell in row) for row in table.rows]
     for number in range(1, len(table.columns)):
-        if len({row[:number] for row in texts}) == len(texts):
+        first = table.keeping(range(number)).rows
+        if len(set(map(_texts, first))) == len(first):
             return number
     return len(table.columns)
+
+
+def _texts(row: Sequence[Cell]) -> tuple[str, ...]:
+    return tuple(cell.text for cell in row)

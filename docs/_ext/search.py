@@ -4,9 +4,9 @@ first results.
     python docs/_ext/search.py build/docs          # exit status 1, and a line for each word that does not
     python docs/_ext/search.py build/docs WORD     # the first results of a word
 
-The ranking is that of Sphinx's ``searchtools.js`` with the weights in ``scorer.js``, on the index that
-the browser reads: titles, entries of the index, Python objects, words of the text. A word that does
-not occur on the page gets an index entry at the passage with the answer.
+The ranking is that of Sphinx's ``searchtools.js`` with the weights in ``scorer.js``, on the index
+that the browser reads: titles, entries of the index, Python objects, words of the text. A word that
+does not occur on the page gets an index entry at the passage with the answer.
 """
 
 from __future__ import annotations

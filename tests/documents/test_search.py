@@ -81,7 +81,7 @@ def test_what_is_missed_is_named(monkeypatch):
 
 
 def test_the_room_of_a_page_orders_equal_results():
-    """The changelog and rows of results come last, though their titles are first in the alphabet."""
+    """The changelog and rows of results come last, though their titles come first."""
     pages = ("reference/changelog", "explanation/results/bands", "reference/keys", "howto/scans")
     index = INDEX | {
         "docnames": pages,
