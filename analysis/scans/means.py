@@ -35,7 +35,7 @@ from granwave.analysis.scans.table import (
     physical,
     scan_statistics,
 )
-from granwave.analysis.scans.trends import SAME, Course, course_of, significant_steps
+from granwave.analysis.scans.trends import SAME, Trend, course_of, significant_steps
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
@@ -246,11 +246,11 @@ class Means:
                 keys_of_trend.setdefault(trend, []).append(label + _reservation(courses))
         return [
             f"{word} with {' and '.join(keys_of_trend[word])}"
-            for word in (Course.RISES, Course.FALLS)
+            for word in (Trend.RISES, Trend.FALLS)
             if word in keys_of_trend
         ]
 
-    def _courses(self, main: str, n: int) -> list[Course]:
+    def _courses(self, main: str, n: int) -> list[Trend]:
         """Return the courses of a quantity along the n-th key at fixed other keys, without constant
         ones.
         """
@@ -265,7 +265,7 @@ class Means:
             widths = [self._half_width(main, row, is_varied=is_varied) for row in rows]
             if rows:
                 courses.append(course_of(values, widths))
-        return [course for course in courses if course is not Course.CONSTANT]
+        return [course for course in courses if course is not Trend.CONSTANT]
 
     def text(self, name: str, row: int) -> str:
         """Return a mean with its interval, if it has one."""
@@ -403,19 +403,19 @@ def _reason(summary: Mapping[str, Any]) -> str:
     )
 
 
-def _trend(courses: Sequence[Course]) -> Course | None:
+def _trend(courses: Sequence[Trend]) -> Trend | None:
     """Return the common direction of courses, of which some may change within their intervals;
     None without one.
     """
-    directions = set(courses) - {Course.UNCLEAR}
-    if directions in ({Course.RISES}, {Course.FALLS}):
+    directions = set(courses) - {Trend.UNCLEAR}
+    if directions in ({Trend.RISES}, {Trend.FALLS}):
         return directions.pop()
     return None
 
 
-def _reservation(courses: Sequence[Course]) -> str:
+def _reservation(courses: Sequence[Trend]) -> str:
     """Return a clause on the courses that change within their intervals; empty without these."""
-    unclear = courses.count(Course.UNCLEAR)
+    unclear = courses.count(Trend.UNCLEAR)
     if not unclear:
         return ""
     return (

@@ -37,7 +37,7 @@ from granwave.analysis.reports.comparison.measured import (
     unranked_reasons,
 )
 from granwave.analysis.reports.comparison.protection import Ranking, protection_rankings
-from granwave.analysis.reports.comparison.replicates import scatter_sentence
+from granwave.analysis.reports.comparison.scatter import scatter_sentence
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     by_reason,

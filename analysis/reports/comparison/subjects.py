@@ -144,7 +144,9 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
         labels.append(distinct(label, labels))
     random = list(map(is_of_random_packing, runs))
     sets = replicate_sets(runs, random)
-    leaders = {place: members[0] for members in sets for place in members}
+    leaders: dict[int, int] = {}
+    for members in sets:
+        leaders |= dict.fromkeys(members, members[0])
     is_reduced = len(runs) > MOST_SIDE_BY_SIDE and len(sets) > 1
     repeated = [is_reduced and leaders[place] != place for place in range(len(runs))]
     drawn_first = sorted(drawn_places(repeated, MOST_CURVES))
@@ -174,7 +176,8 @@ def _names(runs: Sequence[ReportRun], texts: Sequence[str]) -> list[str]:
     whole = [f"{name}: {text}" for name, text in zip(names, texts, strict=True)]
     if len(scans) > 1 or "" in scans or max(map(len, whole), default=0) <= _LONGEST:
         return names
-    return [name.removeprefix(f"{scan} ") for scan in scans for name in names]
+    scan = scans.pop()
+    return [name.removeprefix(f"{scan} ") for name in names]
 
 
 def _with_differences(name: str, text: str) -> str:

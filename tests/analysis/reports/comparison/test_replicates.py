@@ -15,7 +15,7 @@ from granwave.analysis.reports.comparison.figures.figure import (
     read_figure,
 )
 from granwave.analysis.reports.comparison.figures.registry import FIGURES
-from granwave.analysis.reports.comparison.replicates import scatter_sentence
+from granwave.analysis.reports.comparison.scatter import scatter_sentence
 from granwave.analysis.reports.comparison.subjects import ComparedRun, compared_runs
 from granwave.analysis.reports.comparison.values import ComparedValue, shown_values
 
