@@ -390,12 +390,12 @@ def _reason(summary: Mapping[str, Any]) -> str:
     """Return the reason for an unknown restitution: bodies that touch at the end of a collision;
     empty if it is known, or for other runs.
     """
-    stored = summary.get("energy_elastic_J")
-    given = summary.get("energy_input_J")
-    end = summary.get("end_time_s")
+    names = ("energy_elastic_J", "energy_input_J", "end_time_s")
+    numbers = [float(summary[name]) for name in names if is_number(summary.get(name))]
     is_unknown = is_collision(summary) and summary.get(_RESTITUTION) is None
-    if not is_unknown or not (is_number(stored) and is_number(given) and is_number(end)):
+    if not is_unknown or len(numbers) < len(names):
         return ""
+    stored, given, end = numbers
     if stored <= TOUCHING_ENERGY * given:
         return ""
     return (
