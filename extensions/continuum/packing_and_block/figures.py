@@ -2,7 +2,8 @@
 
 For both: the dissipated fraction, and the volumes that dissipate. For a packing at several
 velocities: the peak force of every contact, which is proportional to the impulse, and the front
-before reflections from the base. The impulse is the momentum of the impacted spheres; forces are in F_y.
+before reflections from the base. The impulse is the momentum of the impacted spheres; forces are in
+F_y.
 """
 
 from __future__ import annotations
