@@ -30,6 +30,7 @@ from granwave.analysis.reports.comparison.ends import (
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import (
+    MOST_SIDE_BY_SIDE,
     ComparedRun,
     names_in_words,
     names_with_cases,
@@ -373,7 +374,7 @@ def shown_values(
     values: Sequence[ComparedValue], most: int, *, asked: bool
 ) -> Sequence[ComparedValue]:
     """Return the values that a table shows: the requested values, or the first results without
-    values at the arbitrary end of a run.
+    values at the arbitrary end of a run; of many runs only values that differ.
 
     Parameters
     ----------
@@ -384,7 +385,10 @@ def shown_values(
     """
     if asked:
         return values
-    return [value for value in values if value.name not in AT_THE_END][:most]
+    shown = [value for value in values if value.name not in AT_THE_END]
+    if any(len(value.values) > MOST_SIDE_BY_SIDE for value in shown):
+        shown = differing_values(shown)
+    return shown[:most]
 
 
 def unknown_values(
