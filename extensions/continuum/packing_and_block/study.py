@@ -27,6 +27,7 @@ from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
 from granwave.extensions.continuum.packing_and_block.impacts import (
+    Curves,
     Impacts,
     QuadraticLaw,
     area_table,
@@ -61,6 +62,7 @@ _UNRESOLVED_REMARK = (
 _OF_VOLUME = 4  # values of a run that follow from the volume of its zone
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
 _HOW_MANY = {1: "The run", 2: "Both runs"}  # by number of runs, in a sentence
+_FEWEST_ON_CURVE = 3  # smallest number of impacts on a curve of a figure of similarity
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
 _OTHERS_LISTED = 24  # largest number of impacts with other materials, diameters or loading areas
@@ -164,7 +166,7 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 def _pictures_of_packings(impacts: Impacts) -> Iterator[Picture]:
     """Dissipation of packings whose material, velocity or loading area was varied."""
     curves = variants(impacts)
-    if len(curves) > 1:
+    if _show_scaling(curves):
         yield _picture("granular_scaling", figures.scaling, curves, figures.GRANULAR_ENERGY, "log")
     fit = quadratic_fit(impacts)
     if fit:
@@ -177,13 +179,19 @@ def _pictures_of_packings(impacts: Impacts) -> Iterator[Picture]:
 def _pictures_of_blocks(impacts: Impacts) -> Iterator[Picture]:
     """Dissipation of blocks whose material or punch was varied."""
     curves = materials(impacts)
-    if len(curves) > 1:
+    if _show_scaling(curves):
         yield _picture(
             "continuum_scaling", figures.scaling, curves, figures.CONTINUUM_ENERGY, "linear"
         )
     curves = masses(impacts)
     if len(curves) > 1:
         yield _picture("continuum_mass", figures.by_mass, curves)
+
+
+def _show_scaling(curves: Curves) -> bool:
+    """Return True for several curves, of which the reference has enough points to be one."""
+    reference = next(iter(curves.values()), ())
+    return len(curves) > 1 and len(reference) >= _FEWEST_ON_CURVE
 
 
 def _picture(name: str, draw: Callable[..., Drawing], *arguments: Any) -> Picture:
