@@ -208,8 +208,12 @@ def figures() -> str:
     """
     table = tomllib.loads((FIGURES / "figures.toml").read_text(encoding="utf-8"))
     runs = {}
+    changes: dict[str, dict[str, Any]] = {}
     for entry in table["run"]:
-        runs |= dict.fromkeys(entry["figures"], entry)
+        # the figures of a case are all from one run, made with the first changes
+        changes.setdefault(entry["case"], entry.get("changes", {}))
+        drawn_run = entry | {"changes": changes[entry["case"]]}
+        runs |= dict.fromkeys(entry["figures"], drawn_run)
     planes: dict[str, list[str]] = {}
     for name in run_figures():
         planes.setdefault(_PLANE.sub("_*", name), []).append(name)
@@ -241,7 +245,18 @@ def _figure(title: str, first: str, drawn: str, runs: Mapping[str, Mapping[str, 
         return f"| `{title}` | {text} | - |"
     entry = runs[drawn]
     picture = f"![{_escape(caption)}](../figures/reference/figures/{drawn}.webp)"
-    return f"| `{title}` | {text} *In {entry['runs']}; here `{entry['case']}`.* | {picture} |"
+    here = f"`{entry['case']}`{_changed(entry['changes'])}"
+    return f"| `{title}` | {text} *In {entry['runs']}; here {here}.* | {picture} |"
+
+
+def _changed(changes: Mapping[str, Any]) -> str:
+    """Return the changes of the run of a picture, without keys of its output."""
+    keys = [
+        f"`{key} = {value}`"
+        for key, value in changes.items()
+        if not key.startswith("output.") and key != "run.frames"
+    ]
+    return f" with {', '.join(keys)}" if keys else ""
 
 
 def law_parameters() -> str:

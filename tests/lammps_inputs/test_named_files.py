@@ -242,6 +242,13 @@ def test_scans_and_cases_of_a_suite(places: tuple[Path, Path]) -> None:
     ]
 
 
+def test_a_scan_of_the_repository_is_missing_without_it(places: tuple[Path, Path]) -> None:
+    _, here = places
+    name = "reproductions/bands/suite.toml"
+    with pytest.raises(InputError, match=f"{name}: not found.*only in a checkout"):
+        find(name, "scans", here)
+
+
 # ---------------------------------------------------------------------- opened before anything is run
 
 
