@@ -14,7 +14,7 @@ from sphinx.application import Sphinx
 _TAG = re.compile(r"<(?P<name>/?a|img)\b[^>]*>")
 _SOURCE = re.compile(r'\bsrc="([^":]+)"')  # a file of the site
 _CODE = re.compile(r'(?<=<span class="pre">)[^<]+(?=</span>)')
-_BREAK = re.compile(r"(?<=\w)([_./])(?=\w)")
+_BREAK = re.compile(r"(?<=[A-Za-z])([_./])(?=\w)")
 
 
 def with_linked_pictures(body: str) -> str:
