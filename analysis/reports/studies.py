@@ -29,7 +29,7 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.figures.style import NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import plain, superscript
-from granwave.analysis.formatting.values import ratio_in_words
+from granwave.analysis.formatting.values import ratio_in_words, readable_unit
 from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import ReportInputs
@@ -79,7 +79,7 @@ _KINDS: dict[Kind, tuple[str, str]] = {
     "source": ("source against ours", "Theory"),
     "theory": ("theory against ours", "Theory"),
     "verification": ("verification of the code", "Must be"),
-    "alone": ("ours alone", "Theory"),
+    "alone": ("granwave only (no reference)", "Theory"),
 }
 _VERIFIES = (
     "A verification tests the code, not a source: it compares with a second solver, a check "
@@ -284,7 +284,7 @@ def _footnotes(rows: Sequence[Row]) -> dict[str, str]:
 def _quantity_name(row: Row, footnotes: Mapping[str, str]) -> str:
     """Return the quantity of a row with its unit and the mark of its remark."""
     quantity = ratio_in_words(row.quantity)
-    name = f"{quantity} ({row.unit})" if row.unit else quantity
+    name = f"{quantity} ({readable_unit(row.unit)})" if row.unit else quantity
     return f"{name} {footnotes[row.remark]}" if row.remark else name
 
 
