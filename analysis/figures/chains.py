@@ -94,7 +94,7 @@ def along_chain(result: Result) -> Drawing | None:
         _dots(axes, number, lost * energy, "dissipated")
         _scale_axis(axes, lost * energy, f"Dissipated ({name})")
     label(figure.axes[-1], f"Contact, {_counted(result)}")
-    figure.axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    figure.axes[-1].xaxis.set_major_locator(MaxNLocator("auto", integer=True))
     ids = {"i": result["chain/contact_i"], "j": result["chain/contact_j"]}
     columns = {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost}
     if wave is not None:

@@ -39,6 +39,7 @@ from granwave.analysis.figures.user_axes import (
     UserFigure,
     drawing_into,
     fit_to_axes,
+    laid_out,
     leave_layout,
     match_text,
     plots_of,
@@ -246,20 +247,23 @@ def draw_axes(
     """
     from matplotlib import pyplot
 
-    with style(width), drawing_into(into) if into else nullcontext():
-        drawing = draw()
-        if drawing is None:
-            return None
-        if isinstance(drawing, NotDrawn):
-            raise MissingDataError(str(drawing))
-        least_span(drawing.figure)
+    with laid_out(into):
+        with style(width), drawing_into(into) if into else nullcontext():
+            drawing = draw()
+            if drawing is None:
+                return None
+            if isinstance(drawing, NotDrawn):
+                raise MissingDataError(str(drawing))
+            least_span(drawing.figure)
+            if into:
+                cast(UserFigure, drawing.figure).align()
+                leave_layout(drawing.figure)
+            # ticks take their style when they are first needed
+            drawing.figure.draw_without_rendering()
         if into:
-            leave_layout(drawing.figure)
-        drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
-    if into:
-        match_text(drawing.figure, into)
-        fit_to_axes(cast(UserFigure, drawing.figure))
-    else:
+            match_text(drawing.figure, into)
+            fit_to_axes(cast(UserFigure, drawing.figure))
+    if not into:
         pyplot.figure(drawing.figure)
     plots = plots_of(drawing.figure)
     return plots[0] if len(plots) == 1 else plots

@@ -27,7 +27,8 @@ of a packing. The record of a packing has the largest force of each contact in t
 time. The largest force of a layer belongs to the first wave if it occurred before a reflection from
 the base can have arrived, see `reflection_arrivals`; otherwise the layer is not fitted. Reflections
 from the sides are included. Under a load that keeps oscillating the forces are the largest of the
-run.
+run. In a chain to which grains were added next to its axis, the layers are its beads, and the
+forces are those between two beads.
 
 With a base at twice the depth, or without one, the forces of the first wave change by less than
 2e-5 in fcc, hcp, bcc and sc lattices and in layers in a plane. The misfit of fcc and hcp is
@@ -45,6 +46,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.measures.beads import beads_on_axis
 from granwave.analysis.measures.dynamic_force import (
     dynamic_contact_peaks,
     dynamic_peak_forces,
@@ -307,6 +309,8 @@ class LayerPeaks:
     is_known
         False where the force still rises at the end of the run, where the wave has not arrived, or
         where the reflection came before the force had passed its peak.
+    is_reached
+        True where the largest force of the run is above 1e-4 of the largest of all.
     is_later
         True for layers of a packing whose largest force occurred when the reflection from the base
         may have arrived.
@@ -324,20 +328,29 @@ class LayerPeaks:
     largest: Array
     median: Array
     is_known: NDArray[np.bool_]
+    is_reached: NDArray[np.bool_]
     is_later: NDArray[np.bool_]
     reflection: Array
     n_left_out: int
     of_first_wave: bool
 
 
-def layer_peaks(result: Result) -> LayerPeaks:
-    """Return the peak forces of the layers of a packing, or of the beads of a chain."""
-    depth = result["spheres/position"][:, 2] - result.origin[2]
-    mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
+def layer_peaks(result: Result, grains: NDArray[np.bool_] | None = None) -> LayerPeaks:
+    """Return the peak forces of the layers of a packing, or of the beads of a chain.
+
+    Parameters
+    ----------
+    grains
+        True for the grains that make up the layers: (n_spheres,). By default all grains, and only
+        the beads of a chain to which grains were added.
+    """
+    if grains is None:
+        grains = beads_on_axis(result)
+    mean, layer = _layers_of(result, grains)
     is_chain = has_first_wave(result)
-    of_run = dynamic_peak_forces(result)
+    of_run = _peaks_of_run(result, grains)
     force = leading_peaks_of_spheres(result) if is_chain else of_run
-    unknown = layer[~np.isfinite(force)]
+    unknown = layer[~np.isfinite(force) & (layer >= 0)]
     force = np.nan_to_num(force)
     largest = _largest(force, layer, len(mean))
     median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
@@ -359,6 +372,7 @@ def layer_peaks(result: Result) -> LayerPeaks:
         largest=largest,
         median=median,
         is_known=is_known,
+        is_reached=is_reached,
         is_later=is_later,
         reflection=np.full(len(mean), np.inf) if reflection is None else reflection,
         n_left_out=int(np.count_nonzero(is_reached & ~is_known & ~is_later)),
@@ -455,10 +469,44 @@ def reflection_arrivals(
     return np.asarray(2 * front[-1] - np.minimum(front, front[-1]))
 
 
+def _layers_of(result: Result, grains: NDArray[np.bool_] | None) -> tuple[Array, NDArray[np.int64]]:
+    """Return the depth of each layer, m, and the layer of each sphere, -1 for spheres that do not
+    belong to ``grains``, if these are given.
+    """
+    depth = result["spheres/position"][:, 2] - result.origin[2]
+    radius = result["spheres/radius"]
+    diameter = result.case.packing.diameter
+    if grains is None:
+        return layers(depth, radius, diameter)
+    mean, own = layers(depth[grains], radius[grains], diameter)
+    layer = np.full(len(depth), -1, dtype=np.int64)
+    layer[grains] = own
+    return mean, layer
+
+
+def _peaks_of_run(result: Result, grains: NDArray[np.bool_] | None) -> Array:
+    """Return the largest rise of a contact force of each sphere in the run, N: (n_spheres,); 0 for
+    other spheres than ``grains``, if these are given. For the beads of a chain to which grains were
+    added it is the largest force of their contacts with each other.
+    """
+    force = dynamic_peak_forces(result)
+    if grains is None:
+        return force
+    beads = beads_on_axis(result)
+    if beads is None or not np.array_equal(beads, grains):
+        return np.where(grains, force, 0.0)
+    largest = np.zeros(result.n_spheres)
+    for i, j, rise, _ in dynamic_contact_peaks(result):
+        between = beads[result.rows(i)] & beads[result.rows(j)]
+        for ends in (i, j):
+            np.maximum.at(largest, result.rows(ends[between]), rise[between])
+    return largest
+
+
 def _largest(force: Array, layer: NDArray[np.int64], n_layers: int) -> Array:
     """Return the largest of the forces of the spheres of each layer: (n_layers,), N."""
     largest = np.zeros(n_layers)
-    np.maximum.at(largest, layer, force)
+    np.maximum.at(largest, layer[layer >= 0], force[layer >= 0])
     return largest
 
 
@@ -511,11 +559,11 @@ def _differs_along_depth(result: Result, shown: Array) -> bool:
         Depths of the layers that count: (n,), m.
     """
     radius = result["spheres/radius"]
-    depth = result["spheres/position"][:, 2] - result.origin[2]
-    mean, layer = layers(depth, radius, result.case.packing.diameter)
+    mean, layer = _layers_of(result, beads_on_axis(result))
     body = result.assembly.body[result["spheres/id"] - 1]
     kinds = np.zeros((len(mean), int(body.max()) + 1), dtype=np.int64)
-    np.add.at(kinds, (layer, body), 1)
+    is_in_layer = layer >= 0
+    np.add.at(kinds, (layer[is_in_layer], body[is_in_layer]), 1)
     is_shown = np.isin(mean, shown)
     most = kinds[is_shown].argmax(axis=1)
     size = np.array([np.median(radius[layer == n]) for n in np.flatnonzero(is_shown)])
@@ -559,5 +607,6 @@ def _peaks_since(
     for i, j, peak, when in dynamic_contact_peaks(result):
         for ends in (i, j):
             there = layer[result.rows(ends)]
-            is_since[there[(peak >= force[there]) & (when >= since[there])]] = True
+            is_largest = (there >= 0) & (peak >= force[there]) & (when >= since[there])
+            is_since[there[is_largest]] = True
     return is_since

@@ -493,6 +493,7 @@ class Run(Values):
             UserFigure,
             add_curves,
             fit_to_axes,
+            laid_out,
             plots_of,
         )
 
@@ -529,7 +530,8 @@ class Run(Values):
                     f"{against.name}; gw.compare shows maps of several runs"
                 )
             if into:
-                fit_to_axes(UserFigure(into))
+                with laid_out(into):
+                    fit_to_axes(UserFigure(into))
             left = [panel for panel in panels if panel.get_figure() is not None]
             return left[0] if len(left) == 1 else left
         return axes

@@ -30,22 +30,30 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.measures.beads import crest_speed
+from granwave.analysis.measures.force_decay import ForceDecay, force_decay
 from granwave.analysis.measures.leading_wave import stretch_speeds
 from granwave.analysis.measures.regions import stretches
 from granwave.analysis.measures.target_record import momentum_in_words, reached
+from granwave.analysis.measures.zone_resolution import (
+    error_of,
+    is_unresolved,
+    percent_with_error,
+)
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import picture_in
-from granwave.analysis.reports.first_wave import course_of_peaks
+from granwave.analysis.reports.first_wave import course_of_beads, course_of_peaks
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
-from granwave.analysis.reports.setting import is_chain, target_of
+from granwave.analysis.reports.setting import is_chain, origin_of, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import VariedKey
 from granwave.analysis.scans.means import WORTH, Means
 from granwave.analysis.summary_table import has_no_pairs
+from granwave.lammps_inputs.case.added_grains import has_added_to_chain
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
@@ -63,6 +71,11 @@ _SENTENCES = (
     "The peak force on the target was {target_bore}.",
     "The peak force on the ground below it was {ground_bore}.",
     "The wave speed was {along_chain}.",
+    "The wave speed along the beads was {along_beads} in the deeper half.",
+    "The speed of the crest of the wave along the beads was {crest_along_beads} in the deeper half.",
+    "The peak force between beads {decay_of_beads}.",
+    "The peak force between beads above the static force {dynamic_decay_of_beads}.",
+    "It {fit_of_beads}.",
     "The peak force of the wave {decay}.",
     "The peak force of the wave above the static force {dynamic_decay}.",
     "{absorbed_fraction} of the input energy of {energy_input_J} was absorbed by the absorbing "
@@ -303,7 +316,8 @@ def in_words(run: ReportRun) -> str:
     lost = run.number("dissipated_fraction")
     absorbed = run.number("absorbed_fraction") or 0.0
     if lost:
-        values["lost"] = share(lost - absorbed)
+        error = error_of("dissipated_fraction", summary)
+        values["lost"] = percent_with_error(lost, error) if error else share(lost - absorbed)
     elif lost == 0:
         values["kept"] = values["energy_input_J"]
     if absorbed <= WORTH:
@@ -312,9 +326,8 @@ def in_words(run: ReportRun) -> str:
     _name_zone(run, values)
     _name_forces(run, values)
     _name_contacts(run, values)
-    if is_chain(run.case) and "transmission" not in values:
-        values["dynamic_decay" if _is_precompressed(run) else "decay"] = course_of_peaks(run)
-        values["along_chain"] = _speeds(run, values.get("wave_speed_m_s", ""))
+    if "transmission" not in values:
+        _name_wave(run, values)
     if (plate := run.number("plate_velocity_m_s")) is not None:
         values["plate"] = f"{'rebounds' if plate < 0 else 'still moves in'} at {abs(plate):.4g} m/s"
     values = {name: text for name, text in values.items() if text}
@@ -340,6 +353,46 @@ def _has_two_decays(run: ReportRun, line: str) -> bool:
     if first is None or second is None:
         return False
     return abs(second - first) > _SAME_DECAY * max(abs(first), abs(second))
+
+
+def _name_wave(run: ReportRun, values: dict[str, str]) -> None:
+    """Add the speed of the wave along a chain, and the course of its peak forces; those of the
+    beads if grains were added next to them.
+    """
+    if has_added_to_chain(origin_of(run.case)):
+        values |= _of_beads(run, values.get("wave_speed_m_s", ""))
+    elif is_chain(run.case):
+        values["dynamic_decay" if _is_precompressed(run) else "decay"] = course_of_peaks(run)
+        values["along_chain"] = _speeds(run, values.get("wave_speed_m_s", ""))
+
+
+def _of_beads(run: ReportRun, speed: str) -> dict[str, str]:
+    """Return the values of the sentences on the beads of a chain with added grains: speed of the
+    wave, or of its crest where contacts are loaded from the start, and decay of the peak forces.
+
+    Parameters
+    ----------
+    speed
+        Of the front of the wave; empty if it is unknown.
+    """
+    values: dict[str, str] = {}
+    try:
+        with Result(run.results) as result:
+            course = course_of_beads(result)
+            crest = crest_speed(result)
+            decay = force_decay(result)
+    except (GranwaveError, KeyError, ValueError, IndexError):
+        return values
+    if speed:
+        values["along_beads"] = speed
+    elif crest is not None:
+        values["crest_along_beads"] = quantity_in(crest, "m/s")
+    if course and isinstance(decay, ForceDecay):
+        values["fit_of_beads"] = (
+            f"falls exponentially with the depth, by {decay.rate:.3g} per m (fit)"
+        )
+    values["dynamic_decay_of_beads" if _is_precompressed(run) else "decay_of_beads"] = course
+    return values
 
 
 def _name_forces(run: ReportRun, values: dict[str, str]) -> None:
@@ -380,9 +433,10 @@ def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
 
 def _name_zone(run: ReportRun, values: dict[str, str]) -> None:
     """Change the lengths of the plastic zone: interpolated between spheres, as in the table; none
-    for a zone without both.
+    for a zone without both, or that is not resolved.
     """
-    if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
+    has_both = run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None
+    if not has_both or is_unresolved(run.summary):
         values.pop("zone_depth_90_m", None)
         return
     for name in ("zone_depth_90", "zone_radius_90"):

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.beads import bead_contact_depths, bead_peaks
 from granwave.analysis.measures.leading_wave import FirstWave, first_wave
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.result.reader import Result
@@ -30,6 +31,14 @@ def course_of_peaks(run: ReportRun) -> str:
             return course_in_words(first_wave(result), depth)
     except (GranwaveError, KeyError, ValueError, IndexError):
         return ""
+
+
+def course_of_beads(result: Result) -> str:
+    """Return the course along the beads of a chain with added grains, as `course_of_peaks`."""
+    peak = bead_peaks(result)
+    is_known = np.isfinite(peak)
+    wave = FirstWave(np.nan_to_num(peak), is_known, ~is_known, None)
+    return course_in_words(wave, bead_contact_depths(result))
 
 
 def course_in_words(wave: FirstWave, depth: NDArray[np.float64]) -> str:

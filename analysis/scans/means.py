@@ -22,6 +22,7 @@ from granwave.analysis.formatting.numbers import (
 )
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.collision import TOUCHING_ENERGY
+from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, is_collision, mark_of
 from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.keys import VariedKey, key_of
@@ -335,7 +336,9 @@ def means_of(scan: ScanResult) -> Means:
         tuple(_reason(group[0].summary) for group in groups),
         protects(scan.varied, summaries),
         grains_called_in(summaries),
-        has_limited_zones=any(mark_of(summary) is Mark.CUT for summary in summaries),
+        has_limited_zones=any(
+            mark_of(summary) is Mark.CUT or is_unresolved(summary) for summary in summaries
+        ),
     )
 
 

@@ -22,6 +22,7 @@ from granwave.analysis.document.model import (
     spread_cell,
 )
 from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.zone_resolution import FRACTION, error_of, is_unresolved
 from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
@@ -53,6 +54,12 @@ _REFERENCE_ONLY = (
     "reference; excluded, because the packing, material, diameter, support or number of impacted "
     "spheres differs"
 )
+_UNRESOLVED_REMARK = (
+    "Plastic zones of a few elements are not resolved: their size and the dissipation per mass and "
+    "volume are those of the elements, and are omitted. Use more elements, or a smaller "
+    "run.edge_size"
+)
+_OF_VOLUME = 4  # values of a run that follow from the volume of its zone
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
 _HOW_MANY = {1: "The run", 2: "Both runs"}  # by number of runs, in a sentence
 _FEWEST_ON_CURVE = 3  # smallest number of impacts on a curve of a figure of similarity
@@ -145,8 +152,9 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     if len(grains) and len(blocks):
         yield _picture("dissipated_fraction", figures.dissipated_fraction, impacts)
         shown = _dissipating(grains, _GRANULAR_SHOWN)
-        if len(shown):
-            yield _picture("plastic_volume", figures.plastic_volume, shown, blocks)
+        resolved = blocks[blocks.resolved]
+        if len(shown) and len(resolved):
+            yield _picture("plastic_volume", figures.plastic_volume, shown, resolved)
     yield from zone.pictures(impacts)
     if len(grains):
         yield from _pictures_of_packings(impacts)
@@ -211,6 +219,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
             rows,
             sortable=True,
         )
+    yield from _resolution(impacts.continuum)
     yield from zone.tables(impacts)
     if len(impacts.reference):
         yield from _of_packings(impacts)
@@ -221,6 +230,16 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         yield Note(f"{_REFERENCE_ONLY}: {names}.")
     if len(impacts.continuum):
         yield from _of_blocks(impacts)
+
+
+def _resolution(blocks: DataFrame) -> Iterator[Note]:
+    """Name the blocks whose plastic zone the mesh does not resolve."""
+    if not len(blocks):
+        return
+    unresolved = blocks[~blocks.resolved]
+    if len(unresolved):
+        labels = named(unresolved["label"].tolist())
+        yield Note(f"{_UNRESOLVED_REMARK}: {labels}.", "note")
 
 
 def _dissipating(reference: DataFrame, most: int) -> DataFrame:
@@ -241,6 +260,10 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
     elements = involved(run)
     if elements is None:
         return None
+    what = Cell(zone.what_of(run.what, run.packing, run.material))
+    if is_unresolved(run.run.summary):
+        lost = spread_cell(run.dissipated_fraction, error_of(FRACTION, run.run.summary))
+        return run.label, what, run.energy_J, lost, *[Cell(zone.UNRESOLVED)] * _OF_VOLUME
     fraction, volume = elements.part(SHARE)
     energy = fraction * run.energy_J
     mass = volume * run.density
@@ -253,7 +276,7 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
         energy / mass,
         1e-6 * (energy / bulk),
     )
-    return run.label, Cell(zone.what_of(run.what, run.packing, run.material)), *values
+    return run.label, what, *values
 
 
 def _rows_per_mass(runs: DataFrame) -> Iterator[tuple[Any, ...]]:
