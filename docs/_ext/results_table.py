@@ -242,6 +242,8 @@ def _first_page(stored: Mapping[str, Any]) -> str:
 logarithmic axis. Full symbols: granwave is larger; open symbols: granwave is smaller. The grey area begins at 10 %. Points at an
 edge lie beyond the axis. Rows with only a bound or without a reference are left out. The letters are explained below.*
 
+{counts_in_words(stored)}
+
 ## Headline comparisons
 
 These are {len(lines)} of {number} rows. [Pages by subject](#all-rows) list all rows, whether they agree or not.
