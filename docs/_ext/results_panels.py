@@ -24,8 +24,9 @@ from granwave.analysis.studies.study import Row
 MOST = 8  # panels of a page
 MOST_LINES = 16  # of a list
 MOST_CURVES = 6  # of a panel
-_OF_SOURCE = 3  # weight of a value of a source
+_OF_SOURCE = 12  # weight of a value of a source relative to theory
 _LEAST = 2  # values with a reference in a panel
+_GAP = 10.0  # between the references of two panels with the same unit
 _LEAST_POINTS = 3  # of a curve
 _INTERVAL = re.compile(r"measured \w+ is (?:[\d.]+ )?± (\d+(?:\.\d+)?)")
 
@@ -68,23 +69,31 @@ class Panel:
     Attributes
     ----------
     title
-        Quantity, and the conditions that all rows have in common; empty if they have nothing in
-        common but the study.
-    study
-        Title of the study; empty if the rows are from several studies.
+        Quantity, and the conditions that all rows have in common; the title of the study for
+        several quantities.
+    subtitle
+        Title of the study, empty if the rows are from several studies; the conditions that all
+        rows have in common for several quantities.
     unit
         Unit of the values.
     abscissa
         Label of the abscissa of curves; empty for a list.
     curves
         Rows by curve; a list has one entry.
+    is_mixed
+        True for several quantities.
     """
 
     title: str
-    study: str
+    subtitle: str
     unit: str
     abscissa: str
     curves: tuple[tuple[str, tuple[Value, ...]], ...]
+    is_mixed: bool
+
+    def study(self) -> str:
+        """Return the title of the study; empty if the rows are from several studies."""
+        return self.title if self.is_mixed else self.subtitle
 
     def values(self) -> tuple[Value, ...]:
         """Return all rows."""
@@ -95,9 +104,7 @@ class Panel:
         return sum(value.compared() for value in self.values())
 
     def weight(self) -> int:
-        """Return the number of values with a reference; those of a source count `_OF_SOURCE`
-        times.
-        """
+        """Return the number of values with a reference, with `_OF_SOURCE` for a source."""
         sources = sum(value.source is not None for value in self.values())
         return self.number() + (_OF_SOURCE - 1) * sources
 
@@ -151,8 +158,8 @@ def _chosen(panels: Sequence[Panel]) -> list[Panel]:
     left = list(panels)
     chosen: list[Panel] = []
     while left and len(chosen) < MOST:
-        studies = [panel.study for panel in chosen]
-        best = max(left, key=lambda panel: panel.weight() / (1 + studies.count(panel.study)))
+        studies = [panel.study() for panel in chosen]
+        best = max(left, key=lambda panel: panel.weight() / (1 + studies.count(panel.study())))
         left.remove(best)
         chosen.append(best)
     return [panel for panel in panels if panel in chosen]
@@ -162,9 +169,7 @@ def _without_repeated(lines: Sequence[_Line]) -> list[_Line]:
     """Return the rows without those of ours alone that a row with a reference repeats."""
     compared = {(line.study, line.row.quantity) for line in lines if line.compared()}
     return [
-        line
-        for line in lines
-        if line.compared() or (line.study, line.row.quantity) not in compared
+        line for line in lines if line.compared() or (line.study, line.row.quantity) not in compared
     ]
 
 
@@ -196,11 +201,29 @@ def _panels(lines: Sequence[_Line]) -> Iterator[Panel]:
             yield from (panel for panel, _ in curves)
             within = list(itertools.chain.from_iterable(lines for _, lines in curves))
             others = [line for line in group if line.compared() and line not in within]
-            panel = _list_of(others) if len(others) >= least else None
-            if panel is None:
-                remaining += others
-            else:
-                yield panel
+            for part in _of_similar_size(others):
+                panel = _list_of(part) if len(part) >= least else None
+                if panel is None:
+                    remaining += part
+                else:
+                    yield panel
+
+
+def _of_similar_size(lines: Sequence[_Line]) -> list[list[_Line]]:
+    """Return rows in groups whose references have similar sizes, which one axis can show."""
+    parts: list[list[_Line]] = [[]]
+    before = 0.0
+    for line in sorted(lines, key=_size):
+        if before and _size(line) > _GAP * before:
+            parts.append([])
+        parts[-1].append(line)
+        before = _size(line)
+    return [[line for line in lines if line in part] for part in parts]
+
+
+def _size(line: _Line) -> float:
+    reference = line.row.theory if line.row.source is None else line.row.source
+    return abs(reference or 0.0)
 
 
 def _study_and_quantity(line: _Line) -> tuple[str, ...]:
@@ -319,12 +342,12 @@ def _list_of(lines: Sequence[_Line]) -> Panel | None:
     if len({line.quantity.base for line in shown}) > 1:
         texts = [(line.quantity.base, *text) for line, text in zip(shown, texts, strict=True)]
     common = _common(texts)
-    labels = [_joined(text, common) for text in texts]
+    labels = [
+        _joined(text, common) or line.quantity.base for line, text in zip(shown, texts, strict=True)
+    ]
     if len(set(labels)) < len(labels):
         return None
-    values = tuple(
-        _value(line.row, label, None) for line, label in zip(shown, labels, strict=True)
-    )
+    values = tuple(_value(line.row, label, None) for line, label in zip(shown, labels, strict=True))
     return _panel(shown, common, "", (("", values),))
 
 
@@ -334,8 +357,11 @@ def _panel(
     bases = {line.quantity.base for line in lines}
     studies = {line.study for line in lines}
     study = studies.pop() if len(studies) == 1 else ""
-    title = ", ".join([*(bases if len(bases) == 1 else ()), *common])
-    return Panel(title, study, lines[0].row.unit, label, curves)
+    if len(bases) > 1:
+        conditions = ", ".join(text for text in common if text not in study)
+        return Panel(study, conditions, lines[0].row.unit, label, curves, is_mixed=True)
+    title = ", ".join([*bases, *common])
+    return Panel(title, study, lines[0].row.unit, label, curves, is_mixed=False)
 
 
 def _common(texts: Iterable[Sequence[str]]) -> list[str]:

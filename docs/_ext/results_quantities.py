@@ -27,7 +27,8 @@ _REWORDED = tuple(
         (r"^Pulse length, (fit|half maximum) of (\w+), ", r"Pulse length (\1 of \2), "),
         (r"^(Restitution) at (.* m/s) (with / without .*)$", r"\1 \3, \2"),
         (r"^(Dissipated fraction), impact (on \d spheres / on one), ", r"\1, \2, "),
-        (r"^(.* small spheres) moved inwards by (.*)$", r"\1 moved inwards by \2"),
+        (r"(small spheres moved inwards) by ", r"\1, "),
+        (r"first peak at (sphere \d+) (falls|is later)", r"first peak (\1) \2"),
         (r" (\d+\.\d+) ms$", lambda found: f" {1000 * float(found[1]):.4g} µs"),
     )
 )
@@ -99,6 +100,7 @@ _ABSCISSAE = {
     "{} of the zone": "wave number / edge of the zone",
     "{} Pa": "pressure (Pa)",
     "{} alpha_y": "overlap / alpha_y",
+    "I {} ({} kN, {} µs)": "impulse I (dimensionless)",
     "unloaded from {} alpha_y": "largest overlap / alpha_y",
     "specified as {}": "specified restitution",
     "small beads of {}": "diameter of the small beads / diameter of the others",
@@ -126,8 +128,14 @@ _SYMBOLS = {
     "sigma_y": r"$\sigma_y$",
     "F_y": "$F_y$",
     "delta_hat": r"$\hat{\delta}$",
+    "alpha": r"$\alpha$",
+    "beta": r"$\beta$",
+    "gamma": r"$\gamma$",
+    "lambda": r"$\lambda$",
     "F_m/F0": "$F_m/F_0$",
     "F0": "$F_0$",
+    "um": "µm",
+    "us": "µs",
     "omega^2": r"$\omega^2$",
 }
 

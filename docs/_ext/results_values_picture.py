@@ -18,7 +18,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from results_axes import scale_abscissae, scale_values
 from results_panels import Panel, Value, ValuesOfPage, values_of
 from results_picture import digest_of, save
 from results_quantities import typeset
@@ -33,17 +33,18 @@ _LABELS = 1.6  # of a list, left of its axis
 _ORDINATE = 0.62  # left of the axis of curves
 _EDGE = 0.1  # right of an axis
 _TITLE = 0.135  # line of a title
+_BASE = 0.11  # from the top of a line to its base
 _LINE = 0.115  # line of a label
 _CURVES = 1.35  # height of curves
 _BELOW = 0.4  # ticks and label of an abscissa
 _BETWEEN = 0.14  # panels of a column
 _LEGEND = 0.3
-_CHARACTERS = 17.5  # an inch of labels
-_TITLE_CHARACTERS = 15.5  # an inch of a title
+_CHARACTERS = 18.8  # an inch of labels
+_TITLE_CHARACTERS = 16.0  # an inch of a title
+_SUBTITLE_CHARACTERS = 17.5
+_NAME_CHARACTERS = 17.0  # of the name of a curve
 
 _NARROW = 3  # curves in a panel of one column
-_LEAST_SPAN = 0.2  # of a linear axis, relative to the largest value
-_DECADES = 1.5  # from which on an axis is logarithmic
 _UNITS = {"": "dimensionless", "1e-3": "10⁻³", "us": "µs"}
 _BLACK = "#222222"
 _OURS = {"marker": "o", "ms": 4.2, "color": BLUE, "mec": BLUE}
@@ -87,15 +88,33 @@ def text_of(name: str, suite: Mapping[str, Any]) -> str:
     page = values_of(suite)
     if not page.panels:
         return ""
-    other = "the reference of the verification" if page.verification else "theory"
-    titles = [panel.title or panel.study for panel in page.panels]
+    titles = [panel.title for panel in page.panels]
     shown = escaped("; ".join(dict.fromkeys(titles)))
-    bounds = any(value.bound for panel in page.panels for value in panel.values())
-    arrows = " Arrows point from a bound to the values that it permits." if bounds else ""
+    kinds = [sentence for kind, sentence in _symbols(page) if _has(page, kind)]
     return (
         f"\n![Values of granwave next to those of the references: {shown}]({picture_of(name)})\n\n"
-        f"*{page.number()} of the {page.total} values with a reference in the tables below. Filled "
-        f"circles: granwave; open diamonds: the source; crosses and dashed lines: {other}.{arrows}*\n"
+        f"*The figure shows {page.number()} of the {page.total} values that have a reference in the "
+        f"tables below. {'; '.join(kinds)}.*\n"
+    )
+
+
+def _symbols(page: ValuesOfPage) -> list[tuple[str, str]]:
+    """Return the kinds of values with their symbols in words."""
+    other = "the reference of the verification" if page.verification else "theory"
+    return [
+        ("ours", "Filled circles: granwave"),
+        ("source", "open diamonds: the source"),
+        ("theory", f"crosses and dashed lines: {other}"),
+        ("interval", "vertical or horizontal bars: the error that the source states"),
+        ("bound", "arrows: from a bound of the source to the values that it permits"),
+    ]
+
+
+def _has(page: ValuesOfPage, kind: str) -> bool:
+    """Return True if a value of the figure has a kind: the name of its attribute."""
+    absent = (None, "") if kind in ("ours", "source", "theory") else (None, "", 0.0)
+    return any(
+        getattr(value, kind) not in absent for panel in page.panels for value in panel.values()
     )
 
 
@@ -140,18 +159,19 @@ def _head(panel: Panel, width: float) -> float:
 
 
 def _titles(panel: Panel, width: float) -> list[str]:
-    """Return the lines of the title: the quantity, then the study."""
-    return [*_wrapped(panel.title, width), *_wrapped(panel.study, width)]
+    """Return the lines of the title and the subtitle."""
+    below = textwrap.wrap(panel.subtitle, int(width * _SUBTITLE_CHARACTERS))
+    return [*_title(panel, width), *below]
 
 
-def _wrapped(text: str, width: float) -> list[str]:
-    return textwrap.wrap(text, int(width * _TITLE_CHARACTERS))
+def _title(panel: Panel, width: float) -> list[str]:
+    return textwrap.wrap(panel.title, int(width * _TITLE_CHARACTERS))
 
 
 def _name(panel: Panel, name: str, width: float) -> str:
     """Return the name of a curve, in lines that fit above its axis."""
     own = (width - _ORDINATE - _EDGE) / len(panel.curves)
-    return textwrap.fill(name, int(own * _CHARACTERS))
+    return textwrap.fill(name, int(own * _NAME_CHARACTERS))
 
 
 def _label(value: Value, width: float) -> str:
@@ -171,9 +191,8 @@ def _rows(panel: Panel, width: float) -> list[float]:
 
 def _draw_panel(figure: Figure, panel: Panel, place: _Place) -> None:
     top = place.top
-    titles = _titles(panel, place.width)
-    main = len(_wrapped(panel.title, place.width)) or len(titles)
-    for number, line in enumerate(titles):
+    main = len(_title(panel, place.width))
+    for number, line in enumerate(_titles(panel, place.width)):
         weight = "bold" if number < main else "normal"
         colour = _BLACK if number < main else GREY
         _write(figure, place.left + 0.02, top, typeset(line), weight=weight, color=colour)
@@ -188,8 +207,8 @@ def _draw_panel(figure: Figure, panel: Panel, place: _Place) -> None:
 def _write(figure: Figure, left: float, top: float, text: str, **properties: Any) -> None:
     """Write a line at a place in inches."""
     height = figure.get_figheight()
-    properties = {"va": "top", "fontsize": _SMALL + 0.5} | properties
-    figure.text(left / _WIDTH, 1 - (top + 0.02) / height, text, **properties)
+    properties = {"va": "baseline", "fontsize": _SMALL + 0.5} | properties
+    figure.text(left / _WIDTH, 1 - (top + _BASE) / height, text, **properties)
 
 
 def _axes(figure: Figure, left: float, top: float, width: float, height: float) -> Axes:
@@ -224,8 +243,8 @@ def _draw_list(figure: Figure, panel: Panel, place: _Place) -> None:
     names = [typeset(_label(value, place.width)) for value in panel.values()]
     axes.set_yticks(middles, names, linespacing=1.0)
     axes.tick_params(axis="y", length=0)
-    _scale(axes.xaxis, axes.set_xscale, axes.set_xlim, panel.values(), 5)
-    axes.set_xlabel(_unit(panel.unit), fontsize=_SMALL, labelpad=2)
+    factor = scale_values(axes, "x", _all_numbers(panel), 6)
+    axes.set_xlabel(_unit(panel.unit, factor), fontsize=_SMALL, labelpad=2)
 
 
 def _markers(axes: Axes, value: Value, middle: float) -> None:
@@ -269,18 +288,20 @@ def _draw_curves(figure: Figure, panel: Panel, place: _Place) -> None:
         left = place.left + _ORDINATE + position * step
         axes = _axes(figure, left, place.top, step - gap, _CURVES)
         _curve(axes, values)
-        _scale(axes.yaxis, axes.set_yscale, axes.set_ylim, panel.values(), 5)
-        _scale_of_abscissae(axes, [value.x for value in values if value.x is not None])
+        factor = scale_values(axes, "y", _all_numbers(panel), 5)
+        abscissae = [value.x for value in values if value.x is not None]
+        power = scale_abscissae(axes, abscissae, 3 if number >= _NARROW else 4)
         axes.set_title(
             typeset(_name(panel, name, place.width)), fontsize=_SMALL, pad=2, linespacing=1.0
         )
         if position:
             axes.tick_params(labelleft=False)
         else:
-            axes.set_ylabel(_unit(panel.unit), fontsize=_SMALL, labelpad=2)
+            axes.set_ylabel(_unit(panel.unit, factor), fontsize=_SMALL, labelpad=2)
     middle = place.left + _ORDINATE + (number * step - gap) / 2
     below = place.top + _CURVES + 0.2
-    _write(figure, middle, below, typeset(panel.abscissa), ha="center", fontsize=_SMALL)
+    label = f"{panel.abscissa} ({power})" if power else panel.abscissa
+    _write(figure, middle, below, typeset(label), ha="center", fontsize=_SMALL)
 
 
 def _curve(axes: Axes, values: Sequence[Value]) -> None:
@@ -314,59 +335,33 @@ def _numbers(value: Value) -> list[float]:
     return found
 
 
-def _scale(
-    axis: Any, set_scale: Any, set_limits: Any, values: Iterable[Value], ticks: int
-) -> None:
-    """Set the scale of the values, of at least a fifth of the largest value."""
+def _all_numbers(panel: Panel) -> list[float]:
     numbers: list[float] = []
-    for value in values:
+    for value in panel.values():
         numbers += _numbers(value)
-    if _is_logarithmic(numbers):
-        set_scale("log")
-        margin = 10 ** (0.08 * np.log10(max(numbers) / min(numbers)))
-        set_limits(min(numbers) / margin, max(numbers) * margin)
-        axis.set_major_locator(LogLocator(numticks=ticks))
-        axis.set_minor_formatter(NullFormatter())
-        return
-    middle = (max(numbers) + min(numbers)) / 2
-    span = max(np.ptp(numbers), _LEAST_SPAN * max(map(abs, numbers))) or 1.0
-    set_limits(middle - 0.6 * span, middle + 0.6 * span)
-    axis.set_major_locator(MaxNLocator(ticks - 1, steps=[1, 2, 2.5, 5, 10]))
+    return numbers
 
 
-def _scale_of_abscissae(axes: Axes, numbers: Sequence[float]) -> None:
-    if _is_logarithmic(numbers):
-        axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(numticks=4))
-        axes.xaxis.set_minor_formatter(NullFormatter())
-    else:
-        axes.margins(x=0.12)
-        axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
-
-
-def _is_logarithmic(numbers: Sequence[float]) -> bool:
-    return min(numbers) > 0 and max(numbers) / min(numbers) > 10**_DECADES
-
-
-def _unit(unit: str) -> str:
-    return _UNITS.get(unit, unit)
+def _unit(unit: str, factor: str) -> str:
+    """Return the label of an axis: the unit, with the power of ten of its labels."""
+    if factor and not unit:
+        return factor
+    return f"{factor} {_UNITS.get(unit, unit)}".strip()
 
 
 def _legend(figure: Figure, page: ValuesOfPage) -> None:
     """Draw the kinds of values that the figure has above the panels."""
-    values = [value for panel in page.panels for value in panel.values()]
     theory = "reference of the verification" if page.verification else "theory"
-    entries = []
-    if any(value.ours is not None for value in values):
-        entries.append(Line2D([], [], label="ours", **_OURS))
-    if any(value.source is not None for value in values):
-        entries.append(Line2D([], [], label="source", **_SOURCE))
-    if any(value.theory is not None for value in values):
-        entries.append(Line2D([], [], label=theory, ls="--", lw=0.9, **_THEORY))
+    entries = {
+        "ours": Line2D([], [], label="ours", **_OURS),
+        "source": Line2D([], [], label="source", **_SOURCE),
+        "theory": Line2D([], [], label=theory, ls="--", lw=0.9, **_THEORY),
+    }
+    shown = [entry for kind, entry in entries.items() if _has(page, kind)]
     figure.legend(
-        handles=entries,
+        handles=shown,
         loc="upper center",
-        ncols=len(entries),
+        ncols=len(shown),
         bbox_to_anchor=(0.5, 1.0),
         borderaxespad=0.2,
         fontsize=8,
