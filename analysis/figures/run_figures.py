@@ -88,8 +88,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_depth", dissipation.peak_force_depth,
      "Peak contact force of the first wave, or of a run under an oscillating load, against depth, "
      "excluding walls",
-     "A straight line is an exponential decay. Hollow squares: larger after a reflection. Circles "
-     "are at the depth of contacts."),
+     "A straight line is an exponential decay. Squares: larger after a reflection. Crosses: still "
+     "rising at the end, or not reached. Circles are at the depth of contacts."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "Coloured: the extent of the plastic zone. White: no dissipation."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "

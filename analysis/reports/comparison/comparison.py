@@ -50,6 +50,7 @@ from granwave.analysis.reports.comparison.values import (
     ComparedValue,
     compared_values,
     differing_values,
+    equal_in_figures,
     partial_note,
     results_and_details,
     sentence,
@@ -238,7 +239,9 @@ class Comparison:
             return sentence(self.values, self.runs, asked=True)
         if self.quantities:
             values = self._values_of_figures
-            return sentence(values, self.runs, asked=True) if values else ""
+            if not values:
+                return ""
+            return equal_in_figures(values, self.runs) or sentence(values, self.runs, asked=True)
         runs = self._finished
         if len(runs) < _LEAST_RUNS:
             return sentence(compared_values(self.runs), self.runs, stated=stated)

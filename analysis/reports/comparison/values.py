@@ -513,6 +513,22 @@ def _without_difference(
     return f"No {result} differs between {names}."
 
 
+def equal_in_figures(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> str:
+    """Return the sentence on runs of which only figures were requested, and whose values of these
+    figures are equal; empty if a value differs, or is not complete in all runs.
+
+    Parameters
+    ----------
+    values
+        Values that describe the figures.
+    """
+    if differing_values(values) or not all(value.is_complete for value in values):
+        return ""
+    names = names_in_words([run.name for run in runs])
+    labels = "; ".join(_in_sentence(value.label) for value in values)
+    return f"Equal in {names}: {labels}. The curves and fits of the requested figures may differ."
+
+
 def truncation_note(values: Sequence[ComparedValue]) -> str:
     """Return a sentence on values that an earlier end truncates; empty if there are none."""
     truncated = [value for value in values if value.is_truncated and not value.is_growing]
