@@ -55,9 +55,9 @@ _REFERENCE_ONLY = (
     "spheres differs"
 )
 _UNRESOLVED_REMARK = (
-    "Plastic zones of a few elements are not resolved: {}. Their size, and the dissipation per mass "
-    "and volume, would be those of the elements, and are omitted. Use more run.elements, or a "
-    "smaller run.edge_size."
+    "Plastic zones of a few elements are not resolved: {}. Their size, and the dissipation per "
+    "mass and volume, would be those of the elements, and are omitted. Use more run.elements, or "
+    "a smaller run.edge_size."
 )
 _OF_VOLUME = 4  # values of a run that follow from the volume of its zone
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
