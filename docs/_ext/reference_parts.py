@@ -350,6 +350,7 @@ def fe_yield() -> str:
     """Return the polynomial of the yield factor of the law elastoplastic-fe as a formula."""
     first, *others = (f"{number:.10g}" for number in fe_yield_coefficients())
     terms = [f"{number}\\, \\nu^{power}" for power, number in enumerate(others, start=1)]
+    terms[0] = terms[0].removesuffix("^1")
     middle = 3
     return "\n".join(
         [

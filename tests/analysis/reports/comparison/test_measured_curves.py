@@ -148,6 +148,30 @@ def test_a_run_that_still_rises_at_its_end_has_no_percentage(tmp_path):
     assert "the curve of the run still rises at its end, 7.92 N at 198 ms" in alone
 
 
+def test_runs_that_do_not_resemble_the_curve_are_not_ranked(tmp_path):
+    """Their rms difference exceeds the measured peak."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n0,0\n1,4\n2,10\n3,2\n")
+    measured = read_measured(file, ("s", "N"))
+    time = np.arange(4) * 1e-3
+    pulse = np.array([0.0, 4.0, 10.0, 2.0])
+    differences = {
+        "four times": deviation(measured, SampledCurve(time, 4.0 * pulse)),
+        "five times": deviation(measured, SampledCurve(time, 5.0 * pulse)),
+    }
+    text = closest_sentence(measured, differences, ("s", "N"), alone=False)
+    size = 3.0 * np.sqrt(np.mean(pulse**2))
+    assert text.startswith("No run resembles ")
+    assert f"the smallest difference, of four times, is {size:.4g} N rms, 164 % of" in text
+    assert coverage_notes(measured, differences) == []
+    one = closest_sentence(measured, {"a": differences["four times"]}, ("s", "N"), alone=True)
+    assert one.startswith("a does not resemble ")
+    differences["near"] = deviation(measured, SampledCurve(time, 1.1 * pulse))
+    assert closest_sentence(measured, differences, ("s", "N"), alone=False).startswith("Only near")
+    (note,) = coverage_notes(measured, differences)
+    assert "exceeds the measured peak: four times and five times." in note
+
+
 def test_a_sensor_of_the_opposite_sign(tmp_path):
     """Peaks of opposite signs have no ratio; a note names the factor, which agrees."""
     file = tmp_path / "measured.csv"
