@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
@@ -228,8 +229,8 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
 
 def peak_force_depth(result: Result) -> Drawing | None:
     """Draw the decay of the peak force: largest of each layer with the law that is fitted to it, a
-    marker for each layer of contacts along the preferred directions, and bars over the range of
-    these directions.
+    marker for each layer of contacts along the preferred directions, at the depth of their lower
+    sphere, and bars over the range of these directions.
 
     The forces are those of the first wave. Layers whose largest force occurred when the reflection
     from the base may have arrived have hollow markers, and are not fitted. Under a load that keeps
@@ -260,7 +261,8 @@ def peak_force_depth(result: Result) -> Drawing | None:
     if n_rays > 1 and _have_lines(along.peak_force):
         arrival = np.interp(middle, depth, peaks.reflection)
         is_first = along.time_peak < arrival[:, None]
-        _mark_directions(axes, middle * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
+        lower = (np.arange(n_contacts) + 1.0) * pitch  # as the layers, whose peaks they are
+        _mark_directions(axes, lower * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
     is_pressed = has_static_forces(result)
     if is_pressed:
         total = "largest of the layer in the run, with static force"
@@ -272,6 +274,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
         "layer_depth_m": depth,
         f"layer_peak_{name}": force / scale,
         "layer_peak_after_reflection": peaks.is_later.astype(int),
+        "of_first_wave": [int(peaks.of_first_wave)],
         "contact_depth_m": middle,
     }
     if is_pressed:
@@ -282,6 +285,37 @@ def peak_force_depth(result: Result) -> Drawing | None:
         f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)
     }
     return Drawing(figure, columns)
+
+
+def words_on_depths(_: Result, table: Path) -> tuple[str, str]:
+    """Return caption and look of `peak_force_depth` of a run.
+
+    Parameters
+    ----------
+    table
+        Path of the data of the figure, CSV.
+    """
+    data = np.genfromtxt(table, delimiter=",", names=True, ndmin=1)
+    names = data.dtype.names or ()
+    look = ["A straight line is an exponential decay."]
+    if "bead_depth_m" in names:
+        caption = (
+            "Peak force of the contacts between beads, and of the grains next to them, against "
+            "depth, excluding walls"
+        )
+        look.append("Beads that the wave has not reached are not drawn.")
+        later = data["bead_peak_after_reflection"]
+    else:
+        is_first = "of_first_wave" not in names or data["of_first_wave"][0] > 0
+        part = "first wave" if is_first else "run"
+        caption = f"Peak contact force of the {part} against depth, excluding walls"
+        later = data["layer_peak_after_reflection"]
+    if np.any(later > 0):
+        look.append("Squares: larger after a reflection.")
+    directions = [name for name in names if name.startswith("direction_")]
+    if len(directions) > 1 and np.any([data[name][1:2] > 0 for name in directions]):
+        look.append("Circles: contacts, at their lower sphere.")
+    return caption, " ".join(look)
 
 
 def _peak_force_of_beads(result: Result, is_bead: NDArray[np.bool_]) -> Drawing | None:

@@ -25,6 +25,7 @@ from granwave.lammps_inputs.errors import InputError
 _OTHER_LINE = "--"  # line style of another run
 _OTHER_MARKER = "x"  # marker of its points that no line joins
 _OTHER_ALPHA = 0.7
+SOLID = ", solid"  # end of the label of an axis with a second axis: style of its curve
 _FONT = 8  # font size of legends, points
 _SMALLEST = 5.0  # smallest font size of legends, points
 _WIDEST = 0.97  # width of a legend above the axes / width of the figure
@@ -354,8 +355,11 @@ def _own_first(axes: Axes, name: str) -> tuple[list[Any], list[str]]:
 
 
 def _uncolour(axes: Axes) -> None:
-    """Give an axis the usual colours, which are of its curve next to a second axis."""
+    """Give an axis the usual colours, which are of its curve next to a second axis, and its label
+    without the style of this curve.
+    """
     axes.yaxis.label.set_color(rcParams["axes.labelcolor"])
+    axes.set_ylabel(axes.get_ylabel().removesuffix(SOLID))
     axes.tick_params(axis="y", colors=rcParams["ytick.color"])
 
 
