@@ -142,11 +142,11 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "in the legend."),
     ("along_chain", chains.along_chain, "Peak force of the first wave above the static force, "
         "and dissipation, along the chain; crosses: larger forces later in the run",
-     "Constant values show a wave without decay; decreasing values show its decay. Forces that "
-     "still rise at the end are omitted."),
+     "Constant values: no decay. Open circles: a larger pulse may follow, after the reflection or "
+     "the end of the run."),
     ("bead_velocities", chains.bead_velocities, "Velocities along the chain",
-     "Each curve is the whole chain at one instant: the front moves to the right, and its height "
-     "shows the decay."),
+     "Each curve is the whole chain when the speed of one bead is first largest. The heights at "
+     "these beads show the decay."),
     ("transmission", driven.transmission,
      "Amplitude along the chain, or transmission against frequency, for an oscillating load",
      "Where the curve is near zero, no wave is transmitted."),

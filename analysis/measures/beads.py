@@ -54,6 +54,14 @@ def bead_peaks(result: Result) -> Array:
     return np.where(depth > 0, np.where(is_complete, peak, np.nan), 0.0)
 
 
+def bead_contact_depths(result: Result) -> Array:
+    """Return the depths of the contacts of `bead_peaks` below the impacted bead: (n_beads - 1,),
+    m.
+    """
+    is_bead = beads_on_axis(result)
+    return np.empty(0) if is_bead is None else _pairs(result, is_bead)[2]
+
+
 def crest_speed(result: Result) -> float | None:
     """Return the speed of the crest of the wave along the beads of a chain with added grains, m/s:
     the slope of the depth of their contacts against the time of the peak force, over the contacts

@@ -47,9 +47,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.measures.beads import beads_on_axis
-from granwave.analysis.measures.dynamic_force import dynamic_contact_peaks, dynamic_peak_forces
+from granwave.analysis.measures.dynamic_force import (
+    dynamic_contact_peaks,
+    dynamic_peak_forces,
+    has_static_forces,
+)
 from granwave.analysis.measures.geometry import layers
-from granwave.analysis.measures.leading_wave import has_first_wave, leading_peaks_of_spheres
+from granwave.analysis.measures.leading_wave import (
+    SAME_PEAK,
+    has_first_wave,
+    leading_peaks_of_spheres,
+)
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import reached
 from granwave.analysis.measures.waves import arrivals_of_groups
@@ -64,6 +72,9 @@ _CONSTANT = 0.02  # largest over smallest force of the deeper half of a fit, min
 _LEAST_PERCENT = 0.1  # smallest change that is named, per cent
 _SAME_SIZE = 1.2  # largest over smallest median diameter of layers with one decay
 _LEAST_SHARE = 1e-4  # fraction of the largest force: layers that the wave reached
+_IN_FLIGHT = 0.5  # fraction of the largest force of a layer: a pulse is in it
+_LATEST_PULSE = 2.0  # time of a later, larger pulse over the arrival of the front, at most
+_ALONG = 0.999  # cosine of the angle of a contact along the load
 _AT_TOP = 1e-9  # fraction of the way down that layers above the impact have
 BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
 
@@ -352,6 +363,7 @@ def layer_peaks(result: Result, grains: NDArray[np.bool_] | None = None) -> Laye
     if not is_chain:
         is_known &= ~still_rising(result, layer, largest)
         reflection = reflection_arrivals(result, mean, layer, least)
+        is_known &= ~_awaits_larger_pulse(result, layer, largest, reflection)
     if reflection is not None:
         is_later = is_known & _peaks_since(result, layer, largest, reflection)
         is_known &= ~is_later
@@ -366,6 +378,56 @@ def layer_peaks(result: Result, grains: NDArray[np.bool_] | None = None) -> Laye
         n_left_out=int(np.count_nonzero(is_reached & ~is_known & ~is_later)),
         of_first_wave=is_chain or (reflection is not None and bool(np.any(is_known))),
     )
+
+
+def _awaits_larger_pulse(
+    result: Result, layer: NDArray[np.int64], largest: Array, reflection: Array | None
+) -> NDArray[np.bool_]:
+    """Return True for layers that a pulse larger than all so far may still reach: (n_layers,).
+
+    Either the run ends before the reflection can be at the layer, and contacts of a layer above
+    carry at the end more than half the largest force of their layer, and more than that of the
+    layer. Or grains that yield are in lines along the load, and the run ends before twice the
+    arrival at the layer.
+    """
+    end = float(result["energy/time"][-1])
+    at_end = _largest(_dynamic_forces_at_end(result), layer, len(largest))
+    in_flight = np.where(at_end > _IN_FLIGHT * largest, at_end, 0.0)
+    above = np.maximum.accumulate(np.append(0.0, in_flight[:-1]))
+    is_awaited = above > (1 + SAME_PEAK) * largest
+    if reflection is not None:
+        is_awaited &= reflection > end
+    if result.yields and _has_lines_along_load(result):
+        is_awaited |= _LATEST_PULSE * arrivals_of_groups(result, layer, len(largest)) > end
+    return is_awaited
+
+
+def _has_lines_along_load(result: Result) -> bool:
+    """Return True if contacts along z carried forces, as in a simple cubic packing: their lines are
+    chains, in which a larger pulse can follow far behind the front.
+    """
+    position = result["spheres/position"]
+    for i, j, peak in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
+        step = position[result.rows(j)] - position[result.rows(i)]
+        step[:, :2] = result.across(step[:, :2])
+        is_along = np.abs(step[:, 2]) > _ALONG * np.linalg.norm(step, axis=1)
+        if np.any(is_along & (peak > 0)):
+            return True
+    return False
+
+
+def _dynamic_forces_at_end(result: Result) -> Array:
+    """Return the largest contact force of each sphere at the end, above its static value:
+    (n_spheres,), N.
+    """
+    largest = np.zeros(result.n_spheres)
+    names = ["contacts/i", "contacts/j", "contacts/force"]
+    static = ["contacts/initial_force"] if has_static_forces(result) else []
+    for i, j, force, *initial in result.blocks(*names, *static):
+        rise = force - initial[0] if initial else force
+        for ends in (i, j):
+            np.maximum.at(largest, result.rows(ends), rise)
+    return largest
 
 
 def reflection_arrivals(
@@ -391,10 +453,12 @@ def reflection_arrivals(
     """
     if result.case.load.keeps_oscillating:
         return None
+    base = reached(result)
     if result.case.precompression is None:
         front = arrivals_of_groups(result, layer, len(depth))
+        if not np.isfinite(front[-1]) and base is not None and base.dynamic_peak_force > least:
+            front[-1] = base.arrival or np.inf  # the force of the last layer still rises
     else:
-        base = reached(result)
         if base is None or not depth[-1] > 0:
             return None
         is_there = base.dynamic_peak_force > least

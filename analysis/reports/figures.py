@@ -219,8 +219,7 @@ def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tupl
         keys = [key_of(name, column) for name, column in columns.items()]
         labels = {one.slug: one.naming.label[:1].lower() + one.naming.label[1:] for one in keys}
         shown = item.means.figures.get(what, "")
-        values = item.means.values.get(shown, [])
-        if in_words and len(values) > 1 and None not in values:
+        if in_words and len(item.means.known_rows(shown)) > 1:
             said = f": {item.means.range_in_words(shown)}"
     quantity = _QUANTITIES.get(what, readable(what))
     comma = "," if "," in quantity else ""

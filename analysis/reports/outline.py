@@ -38,6 +38,7 @@ from granwave.analysis.measures.zone_size import (
     PERIODIC_SIDES,
     Mark,
     bounds_in_words,
+    is_collision,
     mark_of,
 )
 from granwave.analysis.reports.answer import answer_blocks, main_figures
@@ -386,9 +387,10 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
 def _has_zone(run: ReportRun) -> bool:
     """Return True for a run whose plastic zone could reach a boundary.
 
-    A packing of one layer has no depth; if it also has no sides, its zone has no extent.
+    A packing of one layer has no depth; if it also has no sides, its zone has no extent. A
+    collision of two spheres has no zone that boundaries limit.
     """
-    if run.summary.get("zone_cut") is None:
+    if run.summary.get("zone_cut") is None or is_collision(run.summary):
         return False
     sizes = [run.summary.get(name) for name in ("zone_depth_90_m", "zone_radius_90_m")]
     has_yielded = bool(run.number("energy_dissipated_plastic_J"))

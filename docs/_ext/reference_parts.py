@@ -11,7 +11,7 @@ import importlib
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -59,17 +59,13 @@ def _section(table: KeyTable) -> str:
     level = (
         "##" if table.file == CASE_FILE.name else "###"
     )  # the pages of others have several kinds of files
-    searched = []
-    if table.file == CASE_FILE.name and table.name:
-        searched = [_indexed(f"{table.name}.{key.name}" for key in table.keys)]
     entries = [_entry(table, key) for key in table.keys]
-    return "\n\n".join([f"{anchor}{level} {title}", *searched, text, *entries])
+    return "\n\n".join([f"{anchor}{level} {title}", text, *entries])
 
 
-def _indexed(names: Iterable[str]) -> str:
-    """Return entries of the index, so that the search finds the page by each of the names."""
-    entries = ", ".join(f"! {name}" for name in names)
-    return f"```{{index}} {entries}\n```"
+def _indexed(name: str, anchor: str) -> str:
+    """Return an entry of the index, so that the search opens the anchor by the name."""
+    return f"{{entry}}`{name} <{anchor}>`"
 
 
 def _entry(table: KeyTable, key: Key) -> str:
@@ -79,9 +75,12 @@ def _entry(table: KeyTable, key: Key) -> str:
         f"Accepts {_escape(key.accepts)}.",
         *([f"{_sentence(key.usual)}"] if key.usual else []),
     ]
+    indexed = ""
+    if table.file == CASE_FILE.name and table.name:
+        indexed = _indexed(f"{table.name}.{key.name}", anchor)
     return "\n".join(
         [
-            f"[**`{key.name}`**]{{#{anchor}}}{unit}, {_state(key)}",
+            f"{indexed}[**`{key.name}`**]{{#{anchor}}}{unit}, {_state(key)}",
             f": {_sentence(key.description)} {' '.join(facts)} Example: `{key.example}`",
         ]
     )
@@ -107,18 +106,31 @@ def _escape(text: str) -> str:
 def quantities() -> str:
     """Return the values of summary.json of runs, with a section for each group."""
     shown = entries()
-    indexed = _indexed(entry.name for entry in shown if "*" not in entry.name)
     groups = GROUPS | {"Values of extensions": shown[len(ENTRIES) :]}
-    sections = [f"## {title}\n\n{_table_of(group)}" for title, group in groups.items() if group]
-    return "\n\n".join([indexed, *sections])
+    sections = [
+        f"## {title}\n\n{_table_of(group, searched=True)}"
+        for title, group in groups.items()
+        if group
+    ]
+    return "\n\n".join(sections)
 
 
-def _table_of(shown: Sequence[Quantity]) -> str:
-    """Return the table of the values of a summary."""
+def _table_of(shown: Sequence[Quantity], *, searched: bool = False) -> str:
+    """Return the table of the values of a summary.
+
+    Parameters
+    ----------
+    searched
+        Each row has an anchor, which the search opens by the name of the value.
+    """
     rows = []
     for entry in shown:
         what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
-        rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
+        name = f"`{entry.name}`"
+        if searched and "*" not in entry.name:
+            anchor = entry.name.replace("_", "-")
+            name = f"{_indexed(entry.name, anchor)}[{name}]{{#{anchor}}}"
+        rows.append(f"| {name} | {printed_unit(entry.unit)} | {_escape(what)} |")
     return "\n".join(["| value | unit | meaning |", "|---|---|---|", *rows])
 
 

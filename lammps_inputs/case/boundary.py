@@ -69,6 +69,13 @@ class Backing:
         """True for a damper without a mass or a spring."""
         return not self.mass and not self.stiffness
 
+    @property
+    def remedy(self) -> str:
+        """Describe a support with a longer timestep."""
+        if self.mass:
+            return "a heavier or softer support"
+        return "more damping" if self.is_damper else "a larger radius"
+
     def longest_timestep(self, contacts: float) -> float:
         """Return the longest timestep, s, that resolves the motion of the support under contacts
         with this total stiffness, N/m.

@@ -197,7 +197,10 @@ def _of_times(assembly: Assembly) -> Iterator[str]:
             question = "is it in seconds?"
         yield f"{key}: the load lasts {case.load.lasts:.3g} s, the run {end:.3g} s: {question}"
     if case.run.end_time == "auto" and not case.contact.yields and not case.has_cohesion:
-        yield 'a Hertzian packing dissipates no energy, so run.end_time = "auto" ends after 50 us'
+        yield (
+            'a Hertzian packing dissipates no energy, so run.end_time = "auto" ends after the '
+            "first collision (at least 50 us)"
+        )
 
 
 def _of_cut_contacts(assembly: Assembly) -> Iterator[str]:

@@ -42,9 +42,10 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.clumps import largest_extent
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.packing.motion import written_in_parts
+from granwave.lammps_inputs.planning.blocks import BLOCK_THRESHOLD
 from granwave.lammps_inputs.planning.encounters import fastest
 from granwave.lammps_inputs.planning.ranks import costs_of
-from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
+from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import (
     BED_FILE,
     CASE_FILE,

@@ -395,6 +395,14 @@ def backing_of(assembly: Assembly, wall: Wall, material: Material) -> Backing | 
     return wall.support.backing(wall.material, footprint_radius(assembly))
 
 
+def support_of(assembly: Assembly) -> Backing | None:
+    """Return the moving support of the bottom; None if it is fixed."""
+    boundary = assembly.case.boundary
+    if boundary.bottom_support is None:
+        return None
+    return boundary.bottom_support.backing(boundary.bottom_material, footprint_radius(assembly))
+
+
 def support_timestep(assembly: Assembly, stiffness: float) -> float:
     """Return the longest timestep that resolves the motion of the bottom, s; infinite if it is
     fixed.
@@ -404,11 +412,10 @@ def support_timestep(assembly: Assembly, stiffness: float) -> float:
     stiffness
         Stiffness of one contact with the bottom, N/m.
     """
-    boundary = assembly.case.boundary
-    if boundary.bottom_support is None:
+    support = support_of(assembly)
+    if support is None:
         return math.inf
-    behind = boundary.bottom_support.backing(boundary.bottom_material, footprint_radius(assembly))
-    return behind.longest_timestep(len(assembly.lattice.last_layer) * stiffness)
+    return support.longest_timestep(len(assembly.lattice.last_layer) * stiffness)
 
 
 def footprint_radius(assembly: Assembly) -> float:

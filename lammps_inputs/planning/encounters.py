@@ -134,6 +134,7 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
 # F alpha over the work of a Hertz contact up to the force F of a static load
 _OF_PRECOMPRESSION = 2.5
+_OF_HERTZ = 2.943  # duration of a collision times its velocity over its largest overlap
 
 
 @dataclasses.dataclass(frozen=True)
@@ -209,6 +210,14 @@ class Encounter:
         loading = (law.loading_force(peak) - law.loading_force(below)) / (peak - below)
         returned = 1 - law.dissipated_energy(peak) / law.loading_work(peak)
         return float(returned * law.unloading_stiffness(peak) + (1 - returned) * loading)
+
+    @property
+    def duration(self) -> float:
+        """Duration of an elastic collision, s: Hertz's value for the overlap and velocity of this
+        one.
+        """
+        velocity = math.sqrt(2 * self.energy / (self.mass / 2))
+        return _OF_HERTZ * self.overlap / velocity
 
     @property
     def decay_time(self) -> float:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.run import AUTO_END_TIME
 from granwave.lammps_inputs.contact.initial_dents import dents_of_result, earlier_result
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import check_disk
@@ -20,6 +21,7 @@ from granwave.lammps_inputs.files import refuse_too_large
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning import cost
 from granwave.lammps_inputs.planning import timestep as steps
+from granwave.lammps_inputs.planning.blocks import collision_time
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.tables.units import LENGTH_UNITS
 
@@ -256,8 +258,8 @@ def _remedy_of_units(case: Case, distance: float, diameter: float) -> str:
 
 
 def _note_times(assembly: Assembly, schedule: Schedule) -> None:
-    """Log warnings about a timestep that is far too long, and a probe interval shorter than the
-    timestep.
+    """Log warnings about a timestep that is far too long, a probe interval shorter than the
+    timestep, and an automatic end within the first collision.
     """
     case = assembly.case
     given = case.run.timestep
@@ -276,6 +278,12 @@ def _note_times(assembly: Assembly, schedule: Schedule) -> None:
             "is written"
         )
         _LOG.warning(text, case.name, interval, schedule.first_timestep)
+    if schedule.block_steps and (collision := collision_time(assembly)) > AUTO_END_TIME:
+        text = (
+            '%s: run.end_time: "auto" ends after %g ms at most, and the first collision lasts '
+            "about %.2g ms: set run.end_time (s)"
+        )
+        _LOG.warning(text, case.name, 1e3 * AUTO_END_TIME, 1e3 * collision)
 
 
 def check_files(assembly: Assembly) -> None:

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import chain_history, line_history
 from granwave.lammps_inputs.planning.arrival import expected_arrival
+from granwave.lammps_inputs.planning.blocks import block_time
 from granwave.lammps_inputs.planning.timestep import (
     TimestepLimit,
     auto_timestep,
@@ -29,8 +30,6 @@ from granwave.lammps_inputs.planning.timestep import (
     timestep_limits,
 )
 
-BLOCK_TIME = 50e-6  # s, of end_time = "auto"
-BLOCK_THRESHOLD = 1e-4  # dissipation of a block / input energy, below which it is the last
 _TICKS_OF_FIRST = 4  # the timestep can fall to a quarter of what was expected
 # and can rise to 8 times the first one: 232 ns in the reference case, with records of walls at this
 # interval
@@ -143,7 +142,7 @@ def make_schedule(assembly: Assembly, timestep: float | None = None) -> Schedule
     output = case.output
     in_blocks = isinstance(run.end_time, str)
     # length of a block, or of the run
-    duration = BLOCK_TIME if isinstance(run.end_time, str) else run.end_time
+    duration = block_time(assembly) if isinstance(run.end_time, str) else run.end_time
     rows = _LEDGER_ROWS_IN_BLOCK if in_blocks else _LEDGER_ROWS
     fixed = run.timestep if timestep is None else timestep
     if isinstance(fixed, str):

@@ -42,7 +42,7 @@ from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.contact.law import cohesive_laws
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.walls import support_timestep
+from granwave.lammps_inputs.packing.walls import support_of, support_timestep
 from granwave.lammps_inputs.planning.encounters import (
     BOTTOM,
     Encounter,
@@ -197,7 +197,9 @@ def _limits_at_any_time(assembly: Assembly) -> list[TimestepLimit]:
     for bar in assembly.bars:
         step = BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed
         limits.append(TimestepLimit(step, f"{bar.name}.elements", "fewer elements"))
-    limits.append(TimestepLimit(support_timestep(assembly, stiffness), BOTTOM, _REMEDIES[BOTTOM]))
+    if (support := support_of(assembly)) is not None:
+        step = support_timestep(assembly, stiffness)
+        limits.append(TimestepLimit(step, BOTTOM, support.remedy))
     if (plate := case.load.plate) is not None:
         on_plate = len(assembly.lattice.top_layer) * stiffness
         step = PLATE_OSCILLATION * math.sqrt(plate.mass / on_plate)

@@ -35,10 +35,11 @@ from granwave.lammps_inputs.directories import (
 from granwave.lammps_inputs.errors import GranwaveError, RunError
 from granwave.lammps_inputs.packing.assembly import Assembly, of_case
 from granwave.lammps_inputs.packing.motion import written_in_parts
+from granwave.lammps_inputs.planning.blocks import BLOCK_THRESHOLD
 from granwave.lammps_inputs.planning.cost import analysing_ranks
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.ranks import grid_of
-from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
+from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.processes import Processes
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,

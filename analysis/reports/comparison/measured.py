@@ -201,9 +201,24 @@ def read_measured(
         raise InputError(f"{source}: found {len(x)} row, expected at least {_LEAST_POINTS}")
     if not y.any():
         raise InputError(f"{source}: found only zeros for {names[1]}, expected measured values")
+    if units[0] == "s":
+        _check_order(x, names[0], source)
     order = np.argsort(x, kind="stable")
     return MeasuredCurve(
         source, names, x[order] + shift, scale * y[order], shift, scale, has_peak=has_peak
+    )
+
+
+def _check_order(times: Array, column: str, source: str) -> None:
+    """Raise InputError for times that fall: rows in disorder, or another column than of times."""
+    falls = np.flatnonzero(np.diff(times) < 0)
+    if not falls.size:
+        return
+    row = int(falls[0])
+    raise InputError(
+        f"{source}: column {column}: found {quantity_in(times[row + 1], 's')} after "
+        f"{quantity_in(times[row], 's')} (values {row + 1} and {row + 2}), expected rising times; "
+        "sort the rows by time, or check which column holds the times"
     )
 
 

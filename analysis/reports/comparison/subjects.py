@@ -46,6 +46,7 @@ _CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by 
 _MOST_KEYS = 3  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
+_EARLY = 0.5  # end time / latest end, below which a label states the end of a run
 _BETWEEN_DIFFERENCES = ", "
 _BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
 _POINT = r".+ #\d+"  # name of a point of a scan, which says nothing about its case
@@ -305,30 +306,47 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     keys = [key for key in keys if not _has_table(key, runs)]
     values = {key: _value_texts(key, runs) for key in keys}
     usual = {key: _usual(of_runs) for key, of_runs in values.items()}
+    ends = [_end_of(run) for run in runs]
     texts: list[str] = []
     for place, run in enumerate(runs):
-        parts = {key: of[place] for key, of in values.items() if of[place] != usual[key]}
+        parts = {
+            key: _fitting(key, of[place], run.case)
+            for key, of in values.items()
+            if of[place] != usual[key]
+        }
         in_name = re.split(_BETWEEN_WORDS, run.label)
         said = [
-            _with_name(key, part)
-            for key, part in parts.items()
-            if 0 < len(part) <= _longest_value(key) and part not in in_name
+            _with_name(key, part) for key, part in parts.items() if part and part not in in_name
         ]
         if not said and re.fullmatch(_POINT, run.label):
             said = [_with_name(key, "0") for key in parts if _is_zero(run.case.get(key))]
+        if not said and 0 < ends[place] < _EARLY * max(ends):
+            said = [f"until {quantity_in(ends[place], 's')}"]
         more = ["…"] if len(said) > _MOST_KEYS else []
         texts.append(_BETWEEN_DIFFERENCES.join([*said[:_MOST_KEYS], *more]))
     return texts
 
 
+def _end_of(run: ReportRun) -> float:
+    """Return the end time of the case of a run, s; 0 without a number."""
+    end = run.case.get("run.end_time")
+    return float(end) if isinstance(end, int | float) else 0.0
+
+
+def _fitting(key: str, text: str, case: Mapping[str, Any]) -> str:
+    """Return the value of a key, of a long table its first name, ``plate``; empty if it does not
+    fit into a label.
+    """
+    longest = _LONGEST if key == _REPLACED else _LONGEST_VALUE
+    if len(text) <= longest:
+        return text
+    first = re.split(r"[ ,]", text)[0]
+    return first if isinstance(case.get(key), Mapping) and len(first) <= longest else ""
+
+
 def _is_zero(value: Any) -> bool:
     """Return True for a number 0, such as the diameter scatter of a regular packing."""
     return isinstance(value, int | float) and not isinstance(value, bool) and value == 0
-
-
-def _longest_value(key: str) -> int:
-    """Return the largest number of characters of a value of a key in a label."""
-    return _LONGEST if key == _REPLACED else _LONGEST_VALUE
 
 
 def _has_table(key: str, runs: Sequence[ReportRun]) -> bool:

@@ -16,10 +16,10 @@ from granwave.analysis.studies.tolerance.runs import PackingRuns, imperfections
 
 TEXT = (
     "The values are means over the seeds, with their 95 % confidence intervals (Student). "
-    "Values without an interval belong to packings without random quantities, or to a single seed. With a "
-    "diameter scatter, diameters lie between the nominal diameter minus this value and the "
-    "nominal diameter. A lower peak force and a larger dissipated fraction mean better "
-    "protection."
+    "Values without an interval belong to packings without random quantities, or to a "
+    "single seed. With a diameter scatter, diameters lie between the nominal diameter minus "
+    "this value and the nominal diameter. A lower peak force and a larger dissipated fraction "
+    "mean better protection."
 )
 _LATE = 0.05  # fraction of a run
 

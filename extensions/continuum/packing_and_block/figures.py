@@ -89,7 +89,13 @@ def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Draw
         row, ("energy_J", "energy_normalised"), ("Input energy (J)", title), strict=True
     ):
         for n, (name, runs) in enumerate(curves.items()):
-            axes.plot(runs[energy], runs.dissipated_fraction, label=name, **look(n, lines=False))
+            axes.plot(
+                runs[energy],
+                runs.dissipated_fraction,
+                label=name,
+                clip_on=False,  # points on an axis are whole
+                **look(n, lines=False),
+            )
         label(axes, quantity, xscale=scale)
         if scale == "linear":
             axes.set_xlim(left=0)
@@ -133,6 +139,7 @@ def dissipated_fraction(impacts: Impacts) -> Drawing:
             label=name,
             markersize=4,
             linewidth=0.8,
+            clip_on=False,
             **style,
         )
     energy_axis = r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D_\mathrm{punch}^3)$"
@@ -212,7 +219,11 @@ def loading_area(curves: Curves) -> Drawing:
     figure, axes = panels(2.6)
     for n, (name, runs) in enumerate(curves.items()):
         axes.plot(
-            runs.energy_normalised, runs.dissipated_fraction, label=name, **look(n, lines=False)
+            runs.energy_normalised,
+            runs.dissipated_fraction,
+            label=name,
+            clip_on=False,
+            **look(n, lines=False),
         )
     label(axes, GRANULAR_ENERGY, FRACTION, log="x", ylim=(0, 1))
     axes.legend()

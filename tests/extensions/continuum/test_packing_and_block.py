@@ -156,6 +156,19 @@ def test_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
     assert abs(volume) < 0.03  # sampled every 0.2 us, for all materials
 
 
+def test_two_impacts_have_no_figure_of_similarity(impacts: Impacts) -> None:
+    """Packings of two moduli at one velocity are no curve with which the other could agree."""
+
+    def drawn(runs: DataFrame) -> set[str]:
+        return {picture.name for picture in study.pictures(Impacts(runs, impacts.continuum[:0]))}
+
+    single = impacts.granular[impacts.granular.struck_spheres == 1]
+    energy = single.energy_J[single.youngs_modulus > 2e11].max()
+    two = single[np.isclose(single.energy_J, energy)]
+    assert len(two) == 2
+    assert "granular_scaling" in drawn(single) and "granular_scaling" not in drawn(two)
+
+
 def test_masses_are_compared_at_equal_energy(impacts: Impacts) -> None:
     light, heavy = (groups.masses(impacts)[name] for name in ("m = 0.01 kg", "m = 0.1 kg"))
     assert light.energy_normalised.iloc[0] == pytest.approx(

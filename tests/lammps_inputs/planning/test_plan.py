@@ -345,6 +345,10 @@ TINY = {"kind": "force", "shape": "half-sine", "amplitude": 100.0}
         ({"replace": [{"index": [5], "diameter": 1e-6}]}, "a contact of R* = 5e-07 m", "larger grains"),
         ({"load": {"kind": "plate", "mass": 1e-11}}, "load.mass = 1e-11 kg", "a heavier plate"),
         ({"boundary": {"bottom": {"plate": {"mass": 1e-10, "stiffness": 1e6}}}}, "boundary.bottom", "a heavier or softer"),
+        (
+            {"boundary": {"bottom": {"damper": {"damping": 0.1}}}},
+            "boundary.bottom", "more damping",
+        ),
     ],
 )  # fmt: skip
 def test_what_makes_steps_short_is_told(changes: dict[str, Any], cause: str, remedy: str) -> None:

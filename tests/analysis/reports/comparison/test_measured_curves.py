@@ -62,6 +62,20 @@ def test_shift_and_scale(tmp_path):
     assert deviation(measured, far) is None
 
 
+def test_falling_times_are_named(tmp_path):
+    """Equal times, which rounded time stamps have, and depths in any order are accepted."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_us,force_N\n0,0\n1,5\n1,6\n3,2\n2,1\n")
+    with pytest.raises(InputError) as caught:
+        read_measured(file, ("s", "N"))
+    assert "column time_us: found 2 µs after 3 µs (values 4 and 5)" in str(caught.value)
+    assert "sort the rows by time" in str(caught.value)
+    file.write_text("time_us,force_N\n0,0\n1,5\n1,6\n2,1\n")
+    assert len(read_measured(file, ("s", "N")).x) == 4
+    file.write_text("depth_mm,force_N\n10,5\n30,2\n20,3\n")
+    assert read_measured(file, ("m", "N")).y == pytest.approx([5, 3, 2])
+
+
 def test_units_below_the_names(tmp_path):
     """The tables have the format of an oscilloscope."""
     file = tmp_path / "scope.csv"
