@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.colouring import force_scale
 from granwave.analysis.figures.sections import spheres_beyond_law
@@ -270,7 +270,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
     _draw_layers(axes, peaks, scale)
     decay = _draw_fit(axes, result, peaks, scale)
     _label_depths(axes, peaks, unit, is_pressed=is_pressed)
-    columns = {
+    columns: dict[str, ArrayLike] = {
         "layer_depth_m": depth,
         f"layer_peak_{name}": force / scale,
         "layer_peak_after_reflection": peaks.is_later.astype(int),

@@ -13,6 +13,7 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotParams
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
@@ -195,7 +196,7 @@ def _is_in_place(axes: Axes) -> bool:
     place = axes.get_subplotspec()
     assert figure is not None and place is not None
     set_sides = [getattr(figure.subplotpars, side) for side in _SIDES]
-    usual = [rcParams[f"figure.subplot.{side}"] for side in _SIDES]
+    usual = [getattr(SubplotParams(), side) for side in _SIDES]
     expected = place.get_position(figure).bounds
     is_there = np.allclose(axes.get_position(original=True).bounds, expected)
     return set_sides == usual and is_there
