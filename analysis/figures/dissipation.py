@@ -274,6 +274,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
         "layer_depth_m": depth,
         f"layer_peak_{name}": force / scale,
         "layer_peak_after_reflection": peaks.is_later.astype(int),
+        "layer_still_rises": _still_rising(peaks).astype(int),
         "of_first_wave": [int(peaks.of_first_wave)],
         "contact_depth_m": middle,
     }
@@ -297,7 +298,7 @@ def words_on_depths(_: Result, table: Path) -> tuple[str, str]:
     """
     data = np.genfromtxt(table, delimiter=",", names=True, ndmin=1)
     names = data.dtype.names or ()
-    look = ["A straight line is an exponential decay."]
+    look = ["A straight line is exponential."]
     if "bead_depth_m" in names:
         caption = (
             "Peak force of the contacts between beads, and of the grains next to them, against "
@@ -311,7 +312,10 @@ def words_on_depths(_: Result, table: Path) -> tuple[str, str]:
         caption = f"Peak contact force of the {part} against depth, excluding walls"
         later = data["layer_peak_after_reflection"]
     if np.any(later > 0):
-        look.append("Squares: larger after a reflection.")
+        look.append("Squares: after a reflection.")
+    rising = [name for name in names if name.endswith("_still_rises")]
+    if any(np.any(data[name] > 0) for name in rising):
+        look.append("Crosses: still rising at the end.")
     directions = [name for name in names if name.startswith("direction_")]
     if len(directions) > 1 and np.any([data[name][1:2] > 0 for name in directions]):
         look.append("Circles: contacts, at their lower sphere.")
@@ -344,6 +348,7 @@ def _peak_force_of_beads(result: Result, is_bead: NDArray[np.bool_]) -> Drawing 
         "bead_depth_m": beads.depth,
         f"bead_peak_{name}": beads.largest / scale,
         "bead_peak_is_known": beads.is_known.astype(int),
+        "bead_still_rises": _still_rising(beads).astype(int),
         "bead_peak_after_reflection": beads.is_later.astype(int),
         "added_depth_m": added.depth,
         f"added_peak_{name}": added.largest / scale,
@@ -424,9 +429,7 @@ def _draw_layers(
     """
     depth = peaks.depth * _MILLI
     force = peaks.largest / scale
-    others = ~peaks.is_known & ~peaks.is_later & peaks.is_reached
-    passed = force[peaks.is_known | peaks.is_later]
-    others &= force > _LEAST_RISING * passed.min(initial=float(force.max(initial=0.0)))
+    others = _still_rising(peaks)
     marker = "." if len(depth) <= _MOST_MARKED else ""
     look: dict[str, Any] = {
         "color": BLUE, "markerfacecolor": "none", "markersize": 4, "zorder": 1.5
@@ -438,6 +441,16 @@ def _draw_layers(
     ):
         if np.any(chosen):
             axes.plot(depth[chosen], force[chosen], signs, label=text, **look)
+
+
+def _still_rising(peaks: LayerPeaks) -> NDArray[np.bool_]:
+    """Return True for layers whose force still rises at the end, and is not far below those of the
+    layers that the wave has passed: (n_layers,).
+    """
+    others = ~peaks.is_known & ~peaks.is_later & peaks.is_reached
+    passed = peaks.largest[peaks.is_known | peaks.is_later]
+    lowest = passed.min(initial=float(peaks.largest.max(initial=0.0)))
+    return others & (peaks.largest > _LEAST_RISING * lowest)
 
 
 def _wrapped(reason: str) -> str:

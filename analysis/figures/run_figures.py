@@ -91,7 +91,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Bright lines are chains that carry the wave. White: no force."),
     ("peak_force_depth", dissipation.peak_force_depth,
      "Peak contact force of the first wave against depth, excluding walls",
-     "A straight line is an exponential decay. Squares: larger after a reflection. Circles: "
+     "A straight line is exponential. Squares: after a reflection. Crosses: still rising. Circles: "
      "contacts, at their lower sphere."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "Coloured: the extent of the plastic zone. White: no dissipation."),

@@ -150,6 +150,19 @@ def test_the_menu_has_the_headings_of_groups():
         assert context["furo_navigation_tree"] == f"<ul>{heading}{entry}</ul>"
 
 
+def test_pictures_are_links_and_names_break_at_separators():
+    pytest.importorskip("sphinx", reason="make docs installs it")
+    elements = extension("page_elements")
+    picture = '<img alt="a" src="../_images/a.webp" />'
+    linked = f'<a class="picture" href="../_images/a.webp">{picture}</a>'
+    assert elements.with_linked_pictures(f"<p>{picture}</p>") == f"<p>{linked}</p>"
+    assert elements.with_linked_pictures(linked) == linked
+    other_site = '<img src="https://a/b.png">'
+    assert elements.with_linked_pictures(other_site) == other_site
+    code = '<code><span class="pre">area_slope</span></code> area_slope'
+    assert elements.with_breaks(code) == code.replace("area_slope", "area_<wbr>slope", 1)
+
+
 def formulas(text: str) -> list[str]:
     """Return the formulas of a text in Markdown."""
     markdown = pytest.importorskip("markdown_it", reason="make docs installs it").MarkdownIt()

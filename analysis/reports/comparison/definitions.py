@@ -171,8 +171,8 @@ def _unresolved_zones(runs: Sequence[ComparedRun]) -> list[str]:
     if not names:
         return []
     return [
-        f"The plastic zone of {named(names, _MOST_LISTED)} is not resolved, so that its size and the "
-        "dissipated energy have no ratio."
+        f"The plastic zone of {named(names, _MOST_LISTED)} is not resolved, so that its size and "
+        "the dissipated energy have no ratio."
     ]
 
 

@@ -18,6 +18,8 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.measured import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
+#: Colours of the runs, a different one for each of the most runs of a figure.
+_COLOURS = (*COLOURS, "#882255", "#999933", "#E69F00", "#332288", "#8C564B", "#44AA99")
 _MICRO = 1e6
 _KILO = 1e3
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
@@ -60,10 +62,10 @@ def run_styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]
         widths = np.linspace(_THICK, _THIN, len(runs)).tolist()
     styles: dict[ComparedRun, dict[str, Any]] = {}
     for run, width in zip(runs, widths, strict=True):
-        turn, place = divmod(run.look, len(COLOURS))
+        turn, place = divmod(run.look, len(_COLOURS))
         line = (place + turn) % len(_LINES)
         styles[run] = {
-            "color": COLOURS[place],
+            "color": _COLOURS[place],
             "linestyle": _LINES[line],
             "linewidth": width,
             "zorder": mlines.Line2D.zorder + line * _ABOVE_LINES,
