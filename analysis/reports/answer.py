@@ -72,7 +72,7 @@ _SENTENCES = (
     "The peak force on the ground below it was {ground_bore}.",
     "The wave speed was {along_chain}.",
     "The wave speed along the beads was {along_beads} in the deeper half.",
-    "The speed of the crest of the wave along the beads was {crest_along_beads} in the deeper half.",
+    "The speed of the wave crest along the beads was {crest_along_beads} in the deeper half.",
     "The peak force between beads {decay_of_beads}.",
     "The peak force between beads above the static force {dynamic_decay_of_beads}.",
     "It {fit_of_beads}.",

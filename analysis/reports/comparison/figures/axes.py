@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from typing import Any
 
@@ -111,12 +111,19 @@ def legend_above(figure: MatplotlibFigure) -> None:
     )
 
 
-def show_times_up_to(axes: Axes, ends: Sequence[float]) -> None:
-    """Show the longest run completely; the axis is logarithmic if the lengths of the runs differ a
-    lot. Curves on a logarithmic axis start at their first positive time.
+def show_times_up_to(axes: Axes, ends: Mapping[ComparedRun, float]) -> None:
+    """Show the longest run completely; the axis is logarithmic if the lengths of the finished runs
+    differ a lot. Curves on a logarithmic axis start at their first positive time.
+
+    Parameters
+    ----------
+    ends
+        Ends of the runs, s. A run that was stopped ends anywhere, so that it makes no axis
+        logarithmic.
     """
-    longest = max(ends) * _MICRO
-    shortest = min(ends) * _MICRO
+    finished = [end for run, end in ends.items() if not run.run.is_unfinished]
+    longest = max(ends.values()) * _MICRO
+    shortest = min(finished, default=math.inf) * _MICRO
     if 0 < shortest * _UNLIKE < longest:
         axes.set_xscale("log", nonpositive="mask")
         axes.set_xlim(shortest / _UNLIKE**2, longest)
