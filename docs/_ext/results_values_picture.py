@@ -89,12 +89,12 @@ def text_of(name: str, suite: Mapping[str, Any]) -> str:
     if not page.panels:
         return ""
     titles = [panel.title for panel in page.panels]
-    shown = escaped("; ".join(dict.fromkeys(titles)))
+    text = f"Values of granwave next to those of the references: {'; '.join(dict.fromkeys(titles))}"
     kinds = [sentence for kind, sentence in _symbols(page) if _has(page, kind)]
     return (
-        f"\n![Values of granwave next to those of the references: {shown}]({picture_of(name)})\n\n"
-        f"*The figure shows {page.number()} of the {page.total} values that have a reference in the "
-        f"tables below. {'; '.join(kinds)}.*\n"
+        f"\n![{escaped(text)}]({picture_of(name)})\n\n"
+        f"*The figure shows {page.number()} of the {page.total} values that have a reference in "
+        f"the tables below. {'; '.join(kinds)}.*\n"
     )
 
 
@@ -113,9 +113,7 @@ def _symbols(page: ValuesOfPage) -> list[tuple[str, str]]:
 def _has(page: ValuesOfPage, kind: str) -> bool:
     """Return True if a value of the figure has a kind: the name of its attribute."""
     absent = (None, "") if kind in ("ours", "source", "theory") else (None, "", 0.0)
-    return any(
-        getattr(value, kind) not in absent for panel in page.panels for value in panel.values()
-    )
+    return any(getattr(value, kind) not in absent for value in page.values())
 
 
 def draw(page: ValuesOfPage, path: Path) -> None:
