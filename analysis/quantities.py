@@ -463,7 +463,7 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
              "Peak speed: the first maximum above 5 % of the speed of the load, followed by a "
              "decrease of at least 10 %."),
     Quantity("line_*_peak_last_m_s", "Last peak along a line",
-             "First peak of the last grain with a peak."),
+             "Velocity of the first peak at the last grain that the wave reached."),
     Quantity("line_*_decay_first_per_m", "Decay along a line, first region",
              "Decay of the peak speed, from a continuous broken line fitted to its logarithm; "
              "excludes grains near a fixed floor."),

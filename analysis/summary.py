@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.measures.collision import restitution
 from granwave.analysis.measures.driven import (
     SteadyMotion,
     amplitude_sweep_of,
@@ -41,7 +42,7 @@ from granwave.lammps_inputs.extensions import joined, loaded
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.motion import start_speed, velocities_of
+from granwave.lammps_inputs.packing.motion import start_speed
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -65,7 +66,6 @@ _CONTACT_COLUMNS = (
     "dissipated_energy",
 )
 _OTHER_LOSSES = ("friction_energy", "viscous_energy")  # losses of contacts, where present
-_TOUCH = 1e-6  # fraction of the input stored in contacts: bodies that store less have separated
 
 
 def summarise(
@@ -211,39 +211,6 @@ def _added_values(result: Result, own: Summary) -> Summary:
 def _last(result: Result, name: str, default: float | None = None) -> float | None:
     """Return the last value of a column, or the default if the run does not have it."""
     return float(result[name][-1]) if name in result else default
-
-
-def restitution(result: Result) -> float | None:
-    """Coefficient of restitution of a single collision: of two free spheres, or of a sphere and the
-    bottom wall.
-
-    For two equal spheres, one at rest, the impactor keeps (1 - e)/2 of its velocity; from a wall it
-    rebounds with -e times its velocity, in an oblique impact with -e times the normal component.
-    None for every other packing, and as long as the bodies touch.
-    """
-    case = result.case
-    boundary = result.case.boundary
-    load = result.case.load
-    bottom = boundary.bottom_rule
-    moves = boundary.bottom_material is not None or boundary.bottom_support is not None
-    if (
-        not load.gives_velocity
-        or not result.assembly.plain
-        or moves
-        or case.precompression is not None
-    ):
-        return None
-    if (load.angle and result.n_spheres > 1) or result["energy/elastic"][
-        -1
-    ] > _TOUCH * result.energy_input:
-        return None
-    left = (
-        float(result["energy/struck_velocity"][-1])
-        / velocities_of(result.assembly)[result.struck[0]][2]
-    )
-    if result.n_spheres == 2 and case.packing.rule.is_chain and not bottom.bears:
-        return 1 - 2 * left
-    return -left if result.n_spheres == 1 and bottom.has_plane else None
 
 
 def _energies(result: Result) -> Summary:

@@ -21,7 +21,9 @@ extensions = [
     "code_tables",  # reference pages from the code's own tables, in _ext
     "studies",  # the gallery, in _ext
     "mathml",  # equations without a script, in _ext
+    "index_entries",  # entries of the index for rows of tables, in _ext
     "menu_groups",  # headings of groups in the menu, in _ext
+    "page_elements",  # pictures that enlarge, and breaks in code, in _ext
 ]
 html_math_renderer = "mathml"
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
@@ -37,7 +39,8 @@ nitpicky = True
 nitpick_ignore_regex = [("py:.*", ".*")]  # types in signatures; links that pages write are checked
 
 html_theme = "furo"
-html_title = "granwave"
+html_title = f"granwave {version}"
+html_search_scorer = str(Path(__file__).parent / "_ext" / "scorer.js")
 html_static_path = ["_static"]
 html_css_files = ["granwave.css"]
 html_copy_source = False

@@ -208,8 +208,8 @@ class Lattice:
     kind
         Name of a lattice, as of `lattice_kinds`.
     size
-        Spheres along x, rows along y, layers along z, as far as the kind has these axes: (nx, ny,
-        nz), (nx, ny), (nx, nz) or (n,).
+        Spheres along x, rows along y, layers along z, for the directions that the lattice
+        has: (nx, ny, nz), (nx, ny), (nx, nz) or (n,).
     diameter
         Diameter of the spheres, m.
     periodic

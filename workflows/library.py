@@ -31,6 +31,7 @@ _SCANS = "Scans"
 _SUITES = "Suites of scans"
 _SUFFIX = ".toml"
 _WHAT = {CASES: "case", SCANS: "scan"}
+_OF_CHECKOUT = "reproductions"  # folder of the repository that is not installed
 
 
 @cache
@@ -87,6 +88,11 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
         pass
     if owner := _owner_left_out(study):
         raise InputError(f"{study}: {owner}")
+    if Path(study).parts[:1] == (_OF_CHECKOUT,):
+        raise InputError(
+            f"{study}: not found; the folder {_OF_CHECKOUT} is only in a checkout of the "
+            "repository: run the command there, in its top folder"
+        )
     folder = path.parent
     is_path = len(Path(study).parts) > 1
     files = [file.stem for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []

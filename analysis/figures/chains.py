@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.series import (
     LINES,
     against_time,
+    are_relative,
     energy_unit,
     label,
     label_log_axis,
@@ -26,14 +27,19 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
-from granwave.analysis.formatting.numbers import instant
+from granwave.analysis.formatting.numbers import instant, quantity_in
 from granwave.analysis.measures.force_decay import BEFORE_END
-from granwave.analysis.measures.leading_wave import leading_peaks
+from granwave.analysis.measures.leading_wave import FirstWave, first_wave, known_peaks
 from granwave.analysis.measures.lines import sensor_forces
+from granwave.analysis.measures.signals import maxima
 from granwave.analysis.result.reader import Result
 
 _KILO = 1e-3
 _MOST_CURVES = 5
+_ABOVE_ONE = 1.05  # end of the axis of relative forces
+_N_INSTANTS = 4
+_FRONT = 0.5  # fraction of the largest speed of a bead: earlier maxima are not the front
+_LEAST_SPEED = 1e-3  # fraction of the largest speed: beads that the front has reached
 _FEWEST = 2  # fewest contacts along which forces are drawn
 _SAME = 1e-3  # relative difference of equal forces
 _LEAST_FORCE = 1e-4  # fraction of the largest force: contacts that the wave reached
@@ -41,12 +47,15 @@ _WIDE_FORCES = 30.0  # largest over smallest value from which on an axis is loga
 
 
 def force_histories(result: Result) -> Drawing | None:
-    """Draw the force histories of some of the loaded contacts, evenly spaced along the chain."""
+    """Draw the force histories of some of the contacts that the wave reached, evenly spaced along
+    the chain. If their peaks differ much, each is divided by its peak, which the legend gives.
+    """
     if "chain" not in result:
         return None
     force = result["chain/contact_force"]
     time = result["chain/time"]
-    loaded = np.flatnonzero(force.max(axis=0, initial=0.0) > 0)
+    peaks = force.max(axis=0, initial=0.0)
+    loaded = np.flatnonzero((peaks > 0) & (peaks >= _LEAST_FORCE * peaks.max(initial=0.0)))
     if not len(loaded):
         return None
     chosen = np.unique(
@@ -54,11 +63,21 @@ def force_histories(result: Result) -> Drawing | None:
     )
     figure, axes = panels(2.9)
     scale, unit = _unit(force)
+    is_relative = are_relative(peaks[chosen])
     for n, line in zip(chosen, LINES, strict=False):
-        against_time(axes, time, force[:, n] * scale, line, label=_name(result, n), linewidth=0.9)
-    label(axes, y=f"Contact force ({unit})")
-    scale_by_peaks(axes, scale * force[:, chosen].max(axis=0))
-    legend_above(axes, 3, title="Contact")
+        name = _name(result, n)
+        size = scale
+        if is_relative:
+            name = f"{name}: {quantity_in(float(peaks[n]), 'N')}"
+            size = 1 / peaks[n] if peaks[n] > 0 else 0.0
+        against_time(axes, time, force[:, n] * size, line, label=name, linewidth=0.9)
+    if is_relative:
+        label(axes, y="Contact force / its peak", ylim=(0, _ABOVE_ONE))
+        legend_above(axes, 2, title="Contact: peak force")
+    else:
+        label(axes, y=f"Contact force ({unit})")
+        scale_by_peaks(axes, scale * peaks[chosen])
+        legend_above(axes, 3, title="Contact")
     return Drawing(
         figure, {"time_s": time} | {f"contact_{_name(result, n)}_N": force[:, n] for n in chosen}
     )
@@ -68,8 +87,9 @@ def along_chain(result: Result) -> Drawing | None:
     """Draw peak force and dissipated energy of every contact along the chain.
 
     The forces are those of the first wave, before the reflection from the end, above the static
-    force; grey marks are the largest forces of the run where they are larger. Under a load that
-    keeps oscillating they are the largest of the run only. None for a single contact.
+    force; open circles are contacts at which a larger pulse may still arrive. Grey marks are the
+    largest forces of the run where they are larger. Under a load that keeps oscillating they are
+    the largest of the run only. None for a single contact.
     """
     if "chain" not in result:
         return None
@@ -79,31 +99,32 @@ def along_chain(result: Result) -> Drawing | None:
         return None
     number = np.arange(1, len(peak) + 1)
     is_first = not result.case.load.keeps_oscillating
-    first = leading_peaks(result) if is_first else np.zeros(len(peak))
+    wave = first_wave(result) if is_first else None
     has_panel_of_loss = bool(np.any(lost > 0))
     n_panels = 1 + has_panel_of_loss
     figure, upper, *lower = panels(1.0 + 1.4 * n_panels, rows=n_panels, sharex=True)
-    _draw_peaks_along(upper, result, first)
+    _draw_peaks_along(upper, result, wave)
     for axes in lower:
         energy, name = energy_unit(float(lost.max()))
         _dots(axes, number, lost * energy, "dissipated")
         _scale_axis(axes, lost * energy, f"Dissipated ({name})")
     label(figure.axes[-1], f"Contact, {_counted(result)}")
-    figure.axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    figure.axes[-1].xaxis.set_major_locator(MaxNLocator("auto", integer=True))
     ids = {"i": result["chain/contact_i"], "j": result["chain/contact_j"]}
     columns = {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost}
-    if is_first:
-        columns["first_wave_peak_force_N"] = first
+    if wave is not None:
+        columns["first_wave_peak_force_N"] = known_peaks(wave)
+        columns["first_wave_is_passing"] = wave.is_passing.astype(int)
     return Drawing(figure, columns)
 
 
-def _draw_peaks_along(axes: Axes, result: Result, first: NDArray[np.float64]) -> None:
+def _draw_peaks_along(axes: Axes, result: Result, wave: FirstWave | None) -> None:
     """Draw the peak forces of the first wave along a chain, and of the run where they differ.
 
     Parameters
     ----------
-    first
-        Of the first wave, above the static force: (n_contacts,), N; 0 or NaN where not known.
+    wave
+        None under a load that keeps oscillating.
     """
     peak = result.along_chain("peak_force")
     has_risen = result.along_chain("time_peak") < BEFORE_END * float(result["energy/time"][-1])
@@ -113,7 +134,12 @@ def _draw_peaks_along(axes: Axes, result: Result, first: NDArray[np.float64]) ->
     scale, unit = _unit(peak)
     whole = np.where(has_risen, peak - static, 0.0) * scale
     whole = np.where(whole > _LEAST_FORCE * whole.max(initial=0.0), whole, 0.0)
-    shown = np.nan_to_num(first) * scale
+    shown = np.zeros(len(peak))
+    passing = np.zeros(len(peak))
+    if wave is not None:
+        shown = np.where(wave.is_known, wave.peak, 0.0) * scale
+        passing = np.where(wave.is_passing, wave.peak, 0.0) * scale
+        passing[passing <= _LEAST_FORCE * whole.max(initial=0.0)] = 0.0
     number = np.arange(1, len(peak) + 1)
     differs = whole > (1 + _SAME) * shown
     if np.any(differs):
@@ -121,8 +147,12 @@ def _draw_peaks_along(axes: Axes, result: Result, first: NDArray[np.float64]) ->
         axes.plot(number[differs], whole[differs], "x", **look)
     if np.any(shown > 0):
         _dots(axes, number, shown, "first wave")
+    if np.any(passing > 0):
+        look = {"color": BLUE, "markerfacecolor": "none", "markersize": 3}
+        name = "larger pulse may follow"
+        axes.plot(number[passing > 0], passing[passing > 0], "o", label=name, **look)
     kind = "Dynamic peak force" if np.any(static > 0) else "Peak force"
-    _scale_axis(axes, np.maximum(whole, shown), f"{kind} ({unit})")
+    _scale_axis(axes, np.maximum.reduce([whole, shown, passing]), f"{kind} ({unit})")
     legend_above(axes, 2)
 
 
@@ -146,25 +176,60 @@ def _scale_axis(axes: Axes, values: NDArray[np.float64], quantity: str) -> None:
 
 
 def bead_velocities(result: Result) -> Drawing | None:
-    """Draw the velocity along the chain at four instants."""
+    """Draw the velocity along the chain at up to four instants of the passage of the front: when
+    the velocity of the bead at a quarter, a half, three quarters and the end of its way is first
+    largest. Under a load that keeps oscillating, at four even instants.
+    """
     if "chain" not in result:
         return None
     time = result["chain/time"]
     velocity = result["chain/velocity"]
-    chosen = np.unique(np.linspace(0, len(time) - 1, 5).round().astype(int))[1:]
+    passed = _instants_of_front(result)
+    if not passed:
+        chosen = np.unique(np.linspace(0, len(time) - 1, _N_INSTANTS + 1).round().astype(int))[1:]
+        passed = dict.fromkeys(chosen.tolist(), "")
     figure, axes = panels(2.6)
     bead = np.arange(1, velocity.shape[1] + 1)
-    scale, unit = velocity_unit(float(np.abs(velocity[chosen]).max(initial=0.0)))
-    for n, line in zip(chosen, LINES, strict=False):
-        name = instant(time[n])
+    rows = list(passed)
+    scale, unit = velocity_unit(float(np.abs(velocity[rows]).max(initial=0.0)))
+    for (n, which), line in zip(passed.items(), LINES, strict=False):
+        name = instant(time[n]) + which
         axes.plot(bead, velocity[n] * scale, linestyle=line, linewidth=0.9, label=name)
     axes.axhline(0, color="black", linewidth=0.5)
     label(axes, f"Bead, {_counted(result)}", f"Velocity ({unit})")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     legend_above(axes, 2)
     return Drawing(
-        figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in chosen}
+        figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in rows}
     )
+
+
+def _instants_of_front(result: Result) -> dict[int, str]:
+    """Return the records at which the front is at a bead, with the words of the bead, for up to
+    four beads on its way; empty under a load that keeps oscillating, and without a front.
+
+    The front is at a bead when its speed is first largest, before the reflection.
+    """
+    if result.case.load.keeps_oscillating or not len(result["chain/contact_i"]):
+        return {}
+    time = result["chain/time"]
+    start = first_wave(result).reflection
+    n_rows = len(time) if start is None else int(np.searchsorted(time, start, side="right"))
+    speed = np.abs(result["chain/velocity"][:n_rows])
+    if not speed.any():
+        return {}
+    largest = speed.max(axis=0)
+    crests = [maxima(one, _FRONT * float(one.max())) for one in speed.T]
+    is_passed = np.array([len(crest) > 0 for crest in crests]) & (
+        largest > _LEAST_SPEED * largest.max()
+    )
+    first = int(largest.argmax())
+    passed = np.flatnonzero(is_passed & (np.arange(len(largest)) >= first))
+    if len(passed) < _N_INSTANTS:
+        return {}
+    way = np.arange(1, _N_INSTANTS + 1) / _N_INSTANTS
+    beads = passed[np.ceil(way * len(passed)).astype(int) - 1]
+    return {int(crests[bead][0]): f", bead {bead + 1}" for bead in beads.tolist()}
 
 
 def bars(result: Result) -> Drawing | None:

@@ -355,7 +355,7 @@ def _draw_distribution(axes: Axes, state: ContactForces, relative: Vectors) -> d
         decay = "not exponential"
         if tail.is_exponential:
             decay = f"decay {with_error(tail.decay, tail.error)}"
-        text = f"{text}\n{tail.count} above the mean force: {decay}"
+        text = f"{text};\n{tail.count} above the mean force: {decay}"
     _draw_densities(axes, state, centre[filled], density[filled], text)
     if tail is not None:
         _draw_tail(axes, tail, relative, colour)

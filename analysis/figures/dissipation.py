@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.colouring import force_scale
 from granwave.analysis.figures.sections import spheres_beyond_law
@@ -34,6 +35,7 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures import waves
+from granwave.analysis.measures.beads import beads_on_axis
 from granwave.analysis.measures.dynamic_force import has_static_forces
 from granwave.analysis.measures.force_decay import (
     ForceDecay,
@@ -71,8 +73,12 @@ _RANGE = 1e-10  # smallest / largest dissipation in the ranked figure
 _POINTS_OF_FIT = 50
 _MARGIN = 1.03  # end of the axis of depths / depth of the last layer
 _MOST_MARKED = 60  # largest number of layers with a marker each
+# smallest force of a layer that the wave has not passed / of the layers that it has passed: lower
+# ones are at the foot of the wave, and would only stretch the axis
+_LEAST_RISING = 0.3
 _FEWEST = 2  # fewest layers and loaded contacts of a course of forces
 _ON_AXIS = 1e-6  # largest distance of centres on the axis of the impact, diameters
+_LONG_VALUE = 12  # letters of a fitted value beyond which its misfit has a line of the legend
 _LETTERS = 36  # most letters of a line of a legend
 _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipation
 
@@ -223,8 +229,8 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
 
 def peak_force_depth(result: Result) -> Drawing | None:
     """Draw the decay of the peak force: largest of each layer with the law that is fitted to it, a
-    marker for each layer of contacts along the preferred directions, and bars over the range of
-    these directions.
+    marker for each layer of contacts along the preferred directions, at the depth of their lower
+    sphere, and bars over the range of these directions.
 
     The forces are those of the first wave. Layers whose largest force occurred when the reflection
     from the base may have arrived have hollow markers, and are not fitted. Under a load that keeps
@@ -233,7 +239,13 @@ def peak_force_depth(result: Result) -> Drawing | None:
     Under a static load the fitted force is the largest dynamic force of each layer, above the
     static force; a line shows the largest total force of the run. Where no law describes the
     forces, the legend gives the reason.
+
+    Layers that the wave has not reached are not drawn. Beads of a chain and grains that were added
+    next to them are separate curves.
     """
+    is_bead = beads_on_axis(result)
+    if is_bead is not None:
+        return _peak_force_of_beads(result, is_bead)
     depth, force = peak_force_by_depth(result)
     n_loaded = np.count_nonzero(result["contacts/peak_force"] > 0)
     # a single contact has no course of forces, and a chain has a figure of its own
@@ -249,29 +261,21 @@ def peak_force_depth(result: Result) -> Drawing | None:
     if n_rays > 1 and _have_lines(along.peak_force):
         arrival = np.interp(middle, depth, peaks.reflection)
         is_first = along.time_peak < arrival[:, None]
-        _mark_directions(axes, middle * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
+        lower = (np.arange(n_contacts) + 1.0) * pitch  # as the layers, whose peaks they are
+        _mark_directions(axes, lower * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
     is_pressed = has_static_forces(result)
     if is_pressed:
         total = "largest of the layer in the run, with static force"
         axes.plot(depth * _MILLI, force / scale, "-.", color=GREEN, label=total, zorder=1)
     _draw_layers(axes, peaks, scale)
-    fits = both_decays(result, peaks)
-    decay = accepted(fits)
-    if decay is None:
-        axes.plot([], [], " ", label=_wrapped(reason_against(fits)))
-    else:
-        _draw_decay(axes, decay, scale)
-    kind = "Dynamic peak force" if is_pressed else "Peak force"
-    part = "first wave" if peaks.of_first_wave else "run"
-    limits = (0, _MARGIN * depth[-1] * _MILLI)
-    label(axes, "Depth (mm)", f"{kind} of the {part} {unit}", log="y", xlim=limits)
-    lowest, highest = axes.get_ylim()
-    label_log_axis(axes, highest / lowest)
-    legend_above(axes, 1, fontsize=8)
-    columns = {
+    decay = _draw_fit(axes, result, peaks, scale)
+    _label_depths(axes, peaks, unit, is_pressed=is_pressed)
+    columns: dict[str, ArrayLike] = {
         "layer_depth_m": depth,
         f"layer_peak_{name}": force / scale,
         "layer_peak_after_reflection": peaks.is_later.astype(int),
+        "layer_still_rises": _still_rising(peaks).astype(int),
+        "of_first_wave": [int(peaks.of_first_wave)],
         "contact_depth_m": middle,
     }
     if is_pressed:
@@ -282,6 +286,120 @@ def peak_force_depth(result: Result) -> Drawing | None:
         f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)
     }
     return Drawing(figure, columns)
+
+
+def words_on_depths(_: Result, table: Path) -> tuple[str, str]:
+    """Return caption and look of `peak_force_depth` of a run.
+
+    Parameters
+    ----------
+    table
+        Path of the data of the figure, CSV.
+    """
+    data = np.genfromtxt(table, delimiter=",", names=True, ndmin=1)
+    names = data.dtype.names or ()
+    look = ["A straight line is exponential."]
+    if "bead_depth_m" in names:
+        caption = (
+            "Peak force of the contacts between beads, and of the grains next to them, against "
+            "depth, excluding walls"
+        )
+        look.append("Beads that the wave has not reached are not drawn.")
+        later = data["bead_peak_after_reflection"]
+    else:
+        is_first = "of_first_wave" not in names or data["of_first_wave"][0] > 0
+        part = "first wave" if is_first else "run"
+        caption = f"Peak contact force of the {part} against depth, excluding walls"
+        later = data["layer_peak_after_reflection"]
+    if np.any(later > 0):
+        look.append("Squares: after a reflection.")
+    rising = [name for name in names if name.endswith("_still_rises")]
+    if any(np.any(data[name] > 0) for name in rising):
+        look.append("Crosses: still rising at the end.")
+    directions = [name for name in names if name.startswith("direction_")]
+    if len(directions) > 1 and np.any([data[name][1:2] > 0 for name in directions]):
+        look.append("Circles: contacts, at their lower sphere.")
+    return caption, " ".join(look)
+
+
+def _peak_force_of_beads(result: Result, is_bead: NDArray[np.bool_]) -> Drawing | None:
+    """Draw the peak forces of the beads of a chain with the fitted decay, and those of the grains
+    that were added next to them.
+    """
+    beads = layer_peaks(result, is_bead)
+    added = layer_peaks(result, ~is_bead & result.in_packing)
+    if np.count_nonzero(beads.is_known) < _FEWEST:
+        return None
+    scale, unit, name = force_scale(result)
+    figure, axes = panels(3.2)
+    _draw_layers(axes, beads, scale, "between beads")
+    shown = added.is_known | added.is_later
+    axes.plot(
+        added.depth[shown] * _MILLI,
+        added.largest[shown] / scale,
+        "--",
+        color=ORANGE,
+        linewidth=1.0,
+        label="largest of the grains next to the beads",
+    )
+    decay = _draw_fit(axes, result, beads, scale)
+    _label_depths(axes, beads, unit, is_pressed=has_static_forces(result))
+    columns = {
+        "bead_depth_m": beads.depth,
+        f"bead_peak_{name}": beads.largest / scale,
+        "bead_peak_is_known": beads.is_known.astype(int),
+        "bead_still_rises": _still_rising(beads).astype(int),
+        "bead_peak_after_reflection": beads.is_later.astype(int),
+        "added_depth_m": added.depth,
+        f"added_peak_{name}": added.largest / scale,
+        "added_peak_is_known": added.is_known.astype(int),
+    }
+    if decay is not None:
+        columns |= _columns_of_decay(decay)
+    return Drawing(figure, columns)
+
+
+def _draw_fit(
+    axes: Axes, result: Result, peaks: LayerPeaks, scale: float
+) -> ForceDecay | PowerDecay | None:
+    """Draw the decay that is fitted to layers, or give the reason why there is none in the legend;
+    return the decay.
+
+    Parameters
+    ----------
+    scale
+        Unit of the forces of the figure, N.
+    """
+    fits = both_decays(result, peaks)
+    decay = accepted(fits)
+    if decay is None:
+        axes.plot([], [], " ", label=_wrapped(reason_against(fits)))
+    else:
+        _draw_decay(axes, decay, scale)
+    return decay
+
+
+def _label_depths(axes: Axes, peaks: LayerPeaks, unit: str, *, is_pressed: bool) -> None:
+    """Label the axes of peak forces against depth, which end at the last layer that the wave
+    reached, and draw the legend.
+
+    Parameters
+    ----------
+    unit
+        Label of the unit of the forces.
+    is_pressed
+        True for the rise of forces above static ones.
+    """
+    kind = "Dynamic peak force" if is_pressed else "Peak force"
+    part = "first wave" if peaks.of_first_wave else "run"
+    last = peaks.depth[-1]
+    if np.any(peaks.is_reached):
+        last = peaks.depth[peaks.is_reached][-1]
+    limits = (0, _MARGIN * last * _MILLI)
+    label(axes, "Depth (mm)", f"{kind} of the {part} {unit}", log="y", xlim=limits)
+    lowest, highest = axes.get_ylim()
+    label_log_axis(axes, highest / lowest)
+    legend_above(axes, 1, fontsize=8)
 
 
 def _have_lines(force: Array) -> bool:
@@ -296,29 +414,43 @@ def _have_lines(force: Array) -> bool:
     return len(force) >= _FEWEST and bool(np.any(force[1] > 0))
 
 
-def _draw_layers(axes: Axes, peaks: LayerPeaks, scale: float) -> None:
+def _draw_layers(
+    axes: Axes, peaks: LayerPeaks, scale: float, name: str = "largest of the layer"
+) -> None:
     """Draw the largest force of each layer: of the first wave as a line, of later times and of
-    layers that it has not passed as markers.
+    layers that it has reached and not passed as markers.
 
     Parameters
     ----------
     scale
         Unit of the forces of the figure, N.
+    name
+        Of the forces in the legend.
     """
     depth = peaks.depth * _MILLI
     force = peaks.largest / scale
-    others = ~peaks.is_known & ~peaks.is_later & (force > 0)
+    others = _still_rising(peaks)
     marker = "." if len(depth) <= _MOST_MARKED else ""
     look: dict[str, Any] = {
         "color": BLUE, "markerfacecolor": "none", "markersize": 4, "zorder": 1.5
     }  # fmt: skip
-    for chosen, signs, name in (
-        (peaks.is_known, f"{marker}-", "largest of the layer"),
-        (peaks.is_later, "s", "largest of the layer, after the reflection (not fitted)"),
-        (others, "x", "largest of the layer, still rising or not reached"),
+    for chosen, signs, text in (
+        (peaks.is_known, f"{marker}-", name),
+        (peaks.is_later, "s", f"{name}, after the reflection (not fitted)"),
+        (others, "x", f"{name}, still rising at the end"),
     ):
         if np.any(chosen):
-            axes.plot(depth[chosen], force[chosen], signs, label=name, **look)
+            axes.plot(depth[chosen], force[chosen], signs, label=text, **look)
+
+
+def _still_rising(peaks: LayerPeaks) -> NDArray[np.bool_]:
+    """Return True for layers whose force still rises at the end, and is not far below those of the
+    layers that the wave has passed: (n_layers,).
+    """
+    others = ~peaks.is_known & ~peaks.is_later & peaks.is_reached
+    passed = peaks.largest[peaks.is_known | peaks.is_later]
+    lowest = passed.min(initial=float(peaks.largest.max(initial=0.0)))
+    return others & (peaks.largest > _LEAST_RISING * lowest)
 
 
 def _wrapped(reason: str) -> str:
@@ -337,11 +469,14 @@ def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> Non
     """
     if isinstance(decay, ForceDecay):
         first, last = decay.depth[[0, -1]]
-        law = rf"$\exp(-bz)$, $b$ = {with_error(decay.rate, decay.error)} per m"
+        value = with_error(decay.rate, decay.error)
+        law = rf"$\exp(-bz)$, $b$ = {value} per m"
     else:
         first = decay.first
         last = decay.last
-        law = rf"$z^{{-n}}$, $n$ = {with_error(decay.exponent, decay.error)}"
+        value = with_error(decay.exponent, decay.error)
+        law = rf"$z^{{-n}}$, $n$ = {value}"
+    separator = "\n" if len(value) > _LONG_VALUE else " "
     depth = np.linspace(first, last, _POINTS_OF_FIT)
     axes.plot(
         depth * _MILLI,
@@ -349,7 +484,7 @@ def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> Non
         "--",
         color="black",
         linewidth=0.9,
-        label=f"fitted {law}, rms {100 * decay.misfit:.2g} %\n"
+        label=f"fitted {law},{separator}rms {100 * decay.misfit:.2g} %\n"
         f"({decay.n_layers} layers, without the impacted and the last layer)",
     )
 
@@ -496,11 +631,10 @@ def draw_zone_size(
         }
     for percent in SHARES:
         axes.axhline(1 - percent / 100, color=GREY, linestyle=":", linewidth=0.6, zorder=0)
-    words = {"depth": "depth", "radius": "distance from the impact axis"}
-    title = ", or ".join(words[name] for name in distances)
+    title = " or ".join(distances)
     limits = {"xlim": (0, 1.05 * (reach or diameter) * _MILLI), "ylim": (_LEAST, 1)}
-    outside_of_all = "Plastic dissipation beyond\n/ total plastic dissipation"
-    title = f"{title[:1].upper()}{title[1:]} (mm)\n(${unit}$ = {diameter * _MILLI:.4g} mm)"
+    outside_of_all = "Plastic dissipation\nbeyond / total"
+    title = f"{title[:1].upper()}{title[1:]} (mm), ${unit}$ = {diameter * _MILLI:.4g} mm"
     label(axes, title, outside_of_all, log="y", **limits)
     axes.plot([], [], "o", color=GREY, markersize=4, label="contains 50, 90, 99 %")
     legend_above(axes, 2, fontsize=7)  # three columns are wider than the figure

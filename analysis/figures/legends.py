@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import Bbox, offset_copy
 
 _CORNERS = ("upper right", "upper left", "lower left", "lower right")
 _OTHER_PLACES = ("center right", "center left", "lower center", "upper center")
@@ -39,9 +40,9 @@ def uncover_curves_of(axes: Axes) -> bool:
     above the axes.
     """
     legend = axes.get_legend()
-    if legend is None or _is_outside(axes, legend) or not covers_curve(axes, legend):
+    if legend is None or is_outside(axes, legend) or uncovers(axes, legend):
         return False
-    if _moves_within(axes, legend):
+    if moves_within(axes, legend):
         return False
     _put_above(axes, legend)
     return True
@@ -84,12 +85,12 @@ def _contains(box: Bbox, places: np.ndarray) -> bool:
     return bool(inside.any())
 
 
-def _is_outside(axes: Axes, legend: Legend) -> bool:
+def is_outside(axes: Axes, legend: Legend) -> bool:
     """Return True if a legend does not overlap the inside of its axes."""
     return not axes.bbox.overlaps(legend.get_window_extent().padded(-1.0))
 
 
-def _moves_within(axes: Axes, legend: Legend) -> bool:
+def moves_within(axes: Axes, legend: Legend) -> bool:
     """Move a legend to the first place within its axes where it covers no curve; False if there is
     none.
     """
@@ -97,27 +98,34 @@ def _moves_within(axes: Axes, legend: Legend) -> bool:
         legend.set_bbox_to_anchor(None)
         moved: Any = legend  # any of the names of places
         moved.set_loc(place)
-        if not covers_curve(axes, legend):
+        if uncovers(axes, legend):
             return True
     return False
 
 
-def in_one_column(axes: Axes, legend: Legend) -> Legend:
-    """Replace a legend of axes by a legend with a column, within the axes."""
-    handles, entries = _entries(axes, legend)
-    return axes.legend(
-        handles,
-        entries,
-        title=legend.get_title().get_text() or None,
-        loc="upper right",
-        frameon=legend.get_frame_on(),
-        fontsize=legend.get_texts()[0].get_fontsize(),
-    )
+@dataclass(frozen=True, eq=False)
+class Content:
+    """Content of a legend: handles, texts, title, and True for a frame."""
+
+    handles: list[Any]
+    entries: list[str]
+    title: str
+    has_frame: bool
+
+    def draw(self, axes: Axes, **options: Any) -> Legend:
+        """Draw the legend in axes; ``options``: of a legend, such as its place."""
+        return axes.legend(
+            self.handles,
+            self.entries,
+            title=self.title or None,
+            frameon=self.has_frame,
+            **options,
+        )
 
 
-def _entries(axes: Axes, legend: Legend) -> tuple[Any, list[str]]:
-    """Return the handles of a legend, as drawn in its axes, and its texts, which may be broken into
-    other lines than the labels.
+def content_of(axes: Axes, legend: Legend) -> Content:
+    """Return the content of a legend: the handles as drawn in its axes, and its texts, which may be
+    broken into other lines than the labels.
     """
     entries = [text.get_text() for text in legend.get_texts()]
     of_axes, labels = axes.get_legend_handles_labels()
@@ -126,7 +134,7 @@ def _entries(axes: Axes, legend: Legend) -> tuple[Any, list[str]]:
         drawn.get(_in_one_line(entry), handle)
         for entry, handle in zip(entries, legend.legend_handles, strict=True)
     ]
-    return handles, entries
+    return Content(handles, entries, legend.get_title().get_text(), legend.get_frame_on())
 
 
 def _in_one_line(text: str) -> str:
@@ -134,20 +142,49 @@ def _in_one_line(text: str) -> str:
     return text.replace("\n", " ")
 
 
+def uncovers(axes: Axes, legend: Legend) -> bool:
+    """Return True if a legend covers no curve of its axes, or of axes at the same position."""
+    return not any(covers_curve(drawn, legend) for drawn in _at_one_position(axes))
+
+
+def _at_one_position(axes: Axes) -> list[Axes]:
+    """Return axes with the second axes that lie over them."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    place = axes.get_position().bounds
+    others = [other for other in figure.axes if other.get_position().bounds == place]
+    return [axes, *(other for other in others if other is not axes)]
+
+
 def _put_above(axes: Axes, legend: Legend) -> None:
     """Replace a legend by a legend above its axes, with as many columns as fit."""
-    handles, entries = _entries(axes, legend)
-    for columns in range(min(_COLUMNS_ABOVE, len(entries)), 0, -1):
-        above = axes.legend(
-            handles,
-            entries,
-            title=legend.get_title().get_text() or None,
-            loc="lower center",
-            bbox_to_anchor=_ABOVE,
-            ncols=columns,
-            columnspacing=1.0,
-            frameon=legend.get_frame_on(),
-            fontsize=legend.get_texts()[0].get_fontsize(),
-        )
+    content = content_of(axes, legend)
+    size = float(legend.get_texts()[0].get_fontsize())
+    for n_columns in range(min(_COLUMNS_ABOVE, len(content.entries)), 0, -1):
+        above = place_above(axes, content, n_columns, size)
         if above.get_window_extent().width <= axes.bbox.width:
             return
+
+
+def place_above(axes: Axes, content: Content, n_columns: int, size: float) -> Legend:
+    """Draw a legend above axes and their title.
+
+    Parameters
+    ----------
+    size
+        Of its text, points.
+    """
+    title = axes.title.get_window_extent()
+    height = max(title.y1 - axes.bbox.y1, 0.0) if axes.get_title() else 0.0
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    points = _POINTS * height / figure.dpi
+    return content.draw(
+        axes,
+        loc="lower center",
+        bbox_to_anchor=_ABOVE,
+        bbox_transform=offset_copy(axes.transAxes, figure, 0.0, points, units="points"),
+        ncols=n_columns,
+        columnspacing=1.0,
+        fontsize=size,
+    )

@@ -149,14 +149,21 @@ def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
         return not_made(what, error)
 
 
-def not_made(what: str, error: Exception) -> NotDrawn:
+def not_made(what: str, error: Exception, *, file: str | None = None) -> NotDrawn:
     """Warn of a figure or file that could not be made, and return it with the reason.
 
     Damaged files, full disks and lack of memory affect all figures, and are raised.
+
+    Parameters
+    ----------
+    file
+        File of the user's whose last line in the traceback the reason names; by default the reason
+        names the line that raised the error.
     """
     if isinstance(error, GranwaveError | OSError | MemoryError):
         raise error
-    place = traceback.extract_tb(error.__traceback__)[-1]
+    frames = traceback.extract_tb(error.__traceback__)
+    place = next((frame for frame in reversed(frames) if frame.filename == file), frames[-1])
     reason = f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
     not_drawn = NotDrawn(what, " ".join(reason.split()))
     logger.warning("%s", not_drawn)

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 _MOST_LINES = 4  # in a title of an axis
+_DIVIDED_BY = "/"  # no line ends with it
 _MATHEMATICS = "$"  # delimiter of formulas, which are never broken
 
 
@@ -60,7 +61,9 @@ def in_lines(text: str, n_lines: int) -> str:
     places = [
         place
         for place, character in enumerate(text)
-        if character == " " and text.count(_MATHEMATICS, 0, place) % 2 == 0
+        if character == " "
+        and text[:place][-1:] != _DIVIDED_BY
+        and text.count(_MATHEMATICS, 0, place) % 2 == 0
     ]
     if not places:
         return text

@@ -13,22 +13,25 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotParams
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.legends import in_one_column, uncover_curves_of
-from granwave.analysis.figures.titles import fit_titles, in_lines
+from granwave.analysis.figures.fitted_legends import fit_legend, narrow_above
+from granwave.analysis.figures.legends import uncover_curves_of
+from granwave.analysis.figures.titles import fit_titles
 from granwave.lammps_inputs.errors import InputError
 
 _OTHER_LINE = "--"  # line style of another run
 _OTHER_MARKER = "x"  # marker of its points that no line joins
 _OTHER_ALPHA = 0.7
+SOLID = ", solid"  # end of the label of an axis with a second axis: style of its curve
 _FONT = 8  # font size of legends, points
 _SMALLEST = 5.0  # smallest font size of legends, points
 _WIDEST = 0.97  # width of a legend above the axes / width of the figure
 _PASSES = 2  # layouts for broken titles, which take room from each other
-_MOST_LINES = 3  # in an entry of a legend
+_SIDES = ("left", "right", "bottom", "top", "wspace", "hspace")  # of the places of subplots
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
@@ -49,6 +52,7 @@ class UserFigure:
             raise InputError("ax: found axes that were removed, expected axes of a figure")
         self._figure = figure
         self._before = [axes for axes in self._figure.axes if axes not in self._panels]
+        self._has_common_x = False
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._figure, name)
@@ -75,8 +79,11 @@ class UserFigure:
         """
         number = rows * columns
         if number != len(self._panels):
-            expected = "one pair of axes" if number == 1 else f"a list of {number} axes"
-            raise InputError(f"ax: found {len(self._panels)}, expected {expected}, one a panel")
+            expected = "1, as it has one panel" if number == 1 else f"a list of {number}"
+            raise InputError(f"ax: found {len(self._panels)} axes; the figure needs {expected}")
+        self._has_common_x = bool(options.get("sharex"))
+        if self._has_common_x:
+            self._hide_inner_labels(has_common_y=bool(options.get("sharey")))
         projection = (options.get("subplot_kw") or {}).get("projection", self._panels[0].name)
         if any(axes.name != projection for axes in self._panels):
             raise InputError(f"ax: expected axes with projection={projection!r}")
@@ -85,17 +92,48 @@ class UserFigure:
         grid = np.array(self._panels, dtype=object).reshape(rows, columns)
         return grid.squeeze() if squeeze else grid
 
+    def _hide_inner_labels(self, *, has_common_y: bool) -> None:
+        """Hide the numbers of common axes between panels that fill the grid of the user."""
+        places = [axes.get_subplotspec() for axes in self._panels]
+        grids = {id(place.get_gridspec()) for place in places if place is not None}
+        if None in places or len(grids) != 1:
+            return
+        for axes, place in zip(self._panels, places, strict=True):
+            assert place is not None
+            rows, columns = place.get_gridspec().get_geometry()
+            if rows * columns != len(self._panels):
+                return
+            axes.tick_params(labelbottom=place.is_last_row())
+            if has_common_y:
+                axes.tick_params(labelleft=place.is_first_col())
+
+    def align(self) -> None:
+        """Give panels with a common horizontal axis the limits of the last one."""
+        if self._has_common_x:
+            for axes in self._panels[:-1]:
+                axes.set_xlim(self._panels[-1].get_xlim())
+
     def legend(self, *artists: Any, loc: str = "", **options: Any) -> None:
         """Draw the legend of the figure in its first panel."""
         self._panels[0].legend(*artists, **options)
 
     def supxlabel(self, text: str, **options: Any) -> None:
-        """Label the horizontal axis of the last panel."""
-        self._panels[-1].set_xlabel(text, **options)
+        """Label the horizontal axes of all panels, or of the last panel in a figure with other
+        axes.
+        """
+        if self._before:
+            self._panels[-1].set_xlabel(text, **options)
+        else:
+            self._figure.supxlabel(text, **options)
 
     def supylabel(self, text: str, **options: Any) -> None:
-        """Label the vertical axis of the first panel."""
-        self._panels[0].set_ylabel(text, **options)
+        """Label the vertical axes of all panels, or of the first panel in a figure with other
+        axes.
+        """
+        if self._before:
+            self._panels[0].set_ylabel(text, **options)
+        else:
+            self._figure.supylabel(text, **options)
 
     def findobj(self, match: Any = None, include_self: bool = True) -> list[Any]:
         """Return the artists of the panels."""
@@ -122,6 +160,46 @@ def drawing_into(panels: Sequence[Axes]) -> Iterator[UserFigure]:
         yield figure
     finally:
         _figure.reset(token)
+
+
+@contextmanager
+def laid_out(panels: Sequence[Axes]) -> Iterator[None]:
+    """Lay out the figure of axes of the user in the ``with`` block, so that labels and legends fit
+    into it, if the figure has no layout engine and its axes are at the usual places of matplotlib.
+    """
+    figure = panels[0].get_figure(root=True) if panels else None
+    if figure is None or figure.get_layout_engine() is not None or not _are_usual(panels):
+        yield
+        return
+    figure.set_layout_engine("constrained")
+    try:
+        yield
+        figure.draw_without_rendering()
+    finally:
+        figure.set_layout_engine(None)
+
+
+def _are_usual(panels: Sequence[Axes]) -> bool:
+    """Return True for axes of subplots at the usual places of matplotlib: they were not adjusted or
+    placed by hand.
+    """
+    for axes in panels:
+        place = axes.get_subplotspec()
+        if place is None or (axes not in _drawn and not _is_in_place(axes)):
+            return False
+    return True
+
+
+def _is_in_place(axes: Axes) -> bool:
+    """Return True for axes at the place of their subplot with matplotlib's settings."""
+    figure = axes.get_figure(root=True)
+    place = axes.get_subplotspec()
+    assert figure is not None and place is not None
+    set_sides = [getattr(figure.subplotpars, side) for side in _SIDES]
+    usual = [getattr(SubplotParams(), side) for side in _SIDES]
+    expected = place.get_position(figure).bounds
+    is_there = np.allclose(axes.get_position(original=True).bounds, expected)
+    return set_sides == usual and is_there
 
 
 def plots_of(figure: Figure | UserFigure) -> list[Axes]:
@@ -164,9 +242,13 @@ def fit_to_axes(figure: UserFigure) -> None:
         if not any([fit_titles(axes) for axes in drawn]):
             break
     figure.draw_without_rendering()
-    moved = [_fit_legend(axes) for axes in drawn]
+    moved = [fit_legend(axes) for axes in drawn]
     if any(moved):
         figure.draw_without_rendering()
+    for axes in drawn:
+        narrow_above(axes)
+        fit_titles(axes)
+    figure.draw_without_rendering()
 
 
 def leave_layout(figure: Figure | UserFigure) -> None:
@@ -175,42 +257,6 @@ def leave_layout(figure: Figure | UserFigure) -> None:
         legend = axes.get_legend()
         if legend is not None:
             legend.set_in_layout(False)
-
-
-def _fit_legend(axes: Axes) -> bool:
-    """Make the legend of axes no wider than these, and move it from curves; return True if it was
-    moved above the axes, so that the layout has to be computed again.
-    """
-    legend = axes.get_legend()
-    if legend is None:
-        return False
-    if legend.get_window_extent().width > axes.bbox.width:
-        legend = in_one_column(axes, legend)
-    _narrow(legend, axes)
-    moved = uncover_curves_of(axes)
-    legend = axes.get_legend()
-    assert legend is not None
-    if moved:
-        _narrow(legend, axes)
-    is_above = not axes.bbox.overlaps(legend.get_window_extent().padded(-1))
-    legend.set_in_layout(is_above and legend.get_window_extent().width <= axes.bbox.width)
-    return moved
-
-
-def _narrow(legend: Legend, axes: Axes) -> None:
-    """Break the entries of a legend into lines, then reduce its text, until it is no wider than its
-    axes.
-    """
-    for n_lines in range(2, _MOST_LINES + 1):
-        if legend.get_window_extent().width <= axes.bbox.width:
-            return
-        longest = max(text.get_window_extent().width for text in legend.get_texts())
-        for text in legend.get_texts():
-            if text.get_window_extent().width > 0.5 * longest:
-                text.set_text(in_lines(text.get_text().replace("\n", " "), n_lines))
-    ratio = axes.bbox.width / legend.get_window_extent().width
-    for text in legend.get_texts():
-        text.set_fontsize(max(min(1.0, ratio) * float(text.get_fontsize()), _SMALLEST))
 
 
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:
@@ -310,8 +356,11 @@ def _own_first(axes: Axes, name: str) -> tuple[list[Any], list[str]]:
 
 
 def _uncolour(axes: Axes) -> None:
-    """Give an axis the usual colours, which are of its curve next to a second axis."""
+    """Give an axis the usual colours, which are of its curve next to a second axis, and its label
+    without the style of this curve.
+    """
     axes.yaxis.label.set_color(rcParams["axes.labelcolor"])
+    axes.set_ylabel(axes.get_ylabel().removesuffix(SOLID))
     axes.tick_params(axis="y", colors=rcParams["ytick.color"])
 
 

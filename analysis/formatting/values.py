@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.numbers import plain, superscript
 from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
 from granwave.lammps_inputs.case.loads.registry import load_kinds
 from granwave.lammps_inputs.extensions import added
@@ -25,6 +25,8 @@ _RATIO = re.compile(
     r"(?<!spread)(?<!sums)(?<!sum)(?<!mean)(?<!average)(,?) over "
     r"(?!all |two |which |the numbers |time)"
 )
+_POWER_OF_TEN = re.compile(r"1e([+-]?\d+)")  # unit of values in thousandths and the like
+_MICRO = re.compile(r"^u(?=[a-zA-Z]$)")
 _NAMES = ("preset", "name")  # keys that identify a material
 #: Key whose unit follows from the kind of the load, and the key of that.
 AMPLITUDE = "load.amplitude"
@@ -174,6 +176,22 @@ def grains_called_in(summaries: Iterable[Mapping[str, Any]]) -> str:
     if not found:
         return SPHERES
     return found.pop() if len(found) == 1 else GRAINS
+
+
+def readable_unit(unit: str) -> str:
+    """Return a unit as it is printed: ``µm`` for ``um``, ``10⁻³`` for ``1e-3``."""
+    power = _POWER_OF_TEN.fullmatch(unit)
+    if power:
+        sign = "⁻" if int(power[1]) < 0 else ""
+        return f"10{sign}{superscript(abs(int(power[1])))}"
+    return _MICRO.sub("µ", unit).replace("^2", "²").replace("^3", "³")
+
+
+def with_unit(number: str, unit: str) -> str:
+    """Return a number with its unit: ``3 µm``, ``7 × 10⁻³``."""
+    if _POWER_OF_TEN.fullmatch(unit):
+        return f"{number} × {readable_unit(unit)}"
+    return f"{number} {readable_unit(unit)}".rstrip()
 
 
 def ratio_in_words(name: str) -> str:

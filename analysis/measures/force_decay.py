@@ -27,7 +27,8 @@ of a packing. The record of a packing has the largest force of each contact in t
 time. The largest force of a layer belongs to the first wave if it occurred before a reflection from
 the base can have arrived, see `reflection_arrivals`; otherwise the layer is not fitted. Reflections
 from the sides are included. Under a load that keeps oscillating the forces are the largest of the
-run.
+run. In a chain to which grains were added next to its axis, the layers are its beads, and the
+forces are those between two beads.
 
 With a base at twice the depth, or without one, the forces of the first wave change by less than
 2e-5 in fcc, hcp, bcc and sc lattices and in layers in a plane. The misfit of fcc and hcp is
@@ -45,9 +46,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granwave.analysis.measures.dynamic_force import dynamic_contact_peaks, dynamic_peak_forces
+from granwave.analysis.measures.beads import beads_on_axis
+from granwave.analysis.measures.dynamic_force import (
+    dynamic_contact_peaks,
+    dynamic_peak_forces,
+    has_static_forces,
+)
 from granwave.analysis.measures.geometry import layers
-from granwave.analysis.measures.leading_wave import has_first_wave, leading_peaks_of_spheres
+from granwave.analysis.measures.leading_wave import (
+    SAME_PEAK,
+    has_first_wave,
+    leading_peaks_of_spheres,
+)
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import reached
 from granwave.analysis.measures.waves import arrivals_of_groups
@@ -62,6 +72,9 @@ _CONSTANT = 0.02  # largest over smallest force of the deeper half of a fit, min
 _LEAST_PERCENT = 0.1  # smallest change that is named, per cent
 _SAME_SIZE = 1.2  # largest over smallest median diameter of layers with one decay
 _LEAST_SHARE = 1e-4  # fraction of the largest force: layers that the wave reached
+_IN_FLIGHT = 0.5  # fraction of the largest force of a layer: a pulse is in it
+_LATEST_PULSE = 2.0  # time of a later, larger pulse over the arrival of the front, at most
+_ALONG = 0.999  # cosine of the angle of a contact along the load
 _AT_TOP = 1e-9  # fraction of the way down that layers above the impact have
 BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
 
@@ -296,6 +309,8 @@ class LayerPeaks:
     is_known
         False where the force still rises at the end of the run, where the wave has not arrived, or
         where the reflection came before the force had passed its peak.
+    is_reached
+        True where the largest force of the run is above 1e-4 of the largest of all.
     is_later
         True for layers of a packing whose largest force occurred when the reflection from the base
         may have arrived.
@@ -313,20 +328,29 @@ class LayerPeaks:
     largest: Array
     median: Array
     is_known: NDArray[np.bool_]
+    is_reached: NDArray[np.bool_]
     is_later: NDArray[np.bool_]
     reflection: Array
     n_left_out: int
     of_first_wave: bool
 
 
-def layer_peaks(result: Result) -> LayerPeaks:
-    """Return the peak forces of the layers of a packing, or of the beads of a chain."""
-    depth = result["spheres/position"][:, 2] - result.origin[2]
-    mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
+def layer_peaks(result: Result, grains: NDArray[np.bool_] | None = None) -> LayerPeaks:
+    """Return the peak forces of the layers of a packing, or of the beads of a chain.
+
+    Parameters
+    ----------
+    grains
+        True for the grains that make up the layers: (n_spheres,). By default all grains, and only
+        the beads of a chain to which grains were added.
+    """
+    if grains is None:
+        grains = beads_on_axis(result)
+    mean, layer = _layers_of(result, grains)
     is_chain = has_first_wave(result)
-    of_run = dynamic_peak_forces(result)
+    of_run = _peaks_of_run(result, grains)
     force = leading_peaks_of_spheres(result) if is_chain else of_run
-    unknown = layer[~np.isfinite(force)]
+    unknown = layer[~np.isfinite(force) & (layer >= 0)]
     force = np.nan_to_num(force)
     largest = _largest(force, layer, len(mean))
     median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
@@ -339,6 +363,7 @@ def layer_peaks(result: Result) -> LayerPeaks:
     if not is_chain:
         is_known &= ~still_rising(result, layer, largest)
         reflection = reflection_arrivals(result, mean, layer, least)
+        is_known &= ~_awaits_larger_pulse(result, layer, largest, reflection)
     if reflection is not None:
         is_later = is_known & _peaks_since(result, layer, largest, reflection)
         is_known &= ~is_later
@@ -347,11 +372,81 @@ def layer_peaks(result: Result) -> LayerPeaks:
         largest=largest,
         median=median,
         is_known=is_known,
+        is_reached=is_reached,
         is_later=is_later,
         reflection=np.full(len(mean), np.inf) if reflection is None else reflection,
         n_left_out=int(np.count_nonzero(is_reached & ~is_known & ~is_later)),
         of_first_wave=is_chain or (reflection is not None and bool(np.any(is_known))),
     )
+
+
+def spheres_of_later_waves(
+    result: Result, peaks: LayerPeaks, layer: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Return True for spheres whose largest force may be of a later wave than the first, or still
+    rises at the end of the run: (n_spheres,).
+
+    Parameters
+    ----------
+    peaks
+        Of the layers.
+    layer
+        Layer of each sphere: (n_spheres,).
+    """
+    last = BEFORE_END * float(result["energy/time"][-1])
+    since = np.minimum(peaks.reflection, last)[layer]
+    each = np.arange(result.n_spheres)
+    return ~peaks.is_known[layer] | _peaks_since(result, each, dynamic_peak_forces(result), since)
+
+
+def _awaits_larger_pulse(
+    result: Result, layer: NDArray[np.int64], largest: Array, reflection: Array | None
+) -> NDArray[np.bool_]:
+    """Return True for layers that a pulse larger than all so far may still reach: (n_layers,).
+
+    Either the run ends before the reflection can be at the layer, and contacts of a layer above
+    carry at the end more than half the largest force of their layer, and more than that of the
+    layer. Or grains that yield are in lines along the load, and the run ends before twice the
+    arrival at the layer.
+    """
+    end = float(result["energy/time"][-1])
+    at_end = _largest(_dynamic_forces_at_end(result), layer, len(largest))
+    in_flight = np.where(at_end > _IN_FLIGHT * largest, at_end, 0.0)
+    above = np.maximum.accumulate(np.append(0.0, in_flight[:-1]))
+    is_awaited = above > (1 + SAME_PEAK) * largest
+    if reflection is not None:
+        is_awaited &= reflection > end
+    if result.yields and _has_lines_along_load(result):
+        is_awaited |= _LATEST_PULSE * arrivals_of_groups(result, layer, len(largest)) > end
+    return is_awaited
+
+
+def _has_lines_along_load(result: Result) -> bool:
+    """Return True if contacts along z carried forces, as in a simple cubic packing: their lines are
+    chains, in which a larger pulse can follow far behind the front.
+    """
+    position = result["spheres/position"]
+    for i, j, peak in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
+        step = position[result.rows(j)] - position[result.rows(i)]
+        step[:, :2] = result.across(step[:, :2])
+        is_along = np.abs(step[:, 2]) > _ALONG * np.linalg.norm(step, axis=1)
+        if np.any(is_along & (peak > 0)):
+            return True
+    return False
+
+
+def _dynamic_forces_at_end(result: Result) -> Array:
+    """Return the largest contact force of each sphere at the end, above its static value:
+    (n_spheres,), N.
+    """
+    largest = np.zeros(result.n_spheres)
+    names = ["contacts/i", "contacts/j", "contacts/force"]
+    static = ["contacts/initial_force"] if has_static_forces(result) else []
+    for i, j, force, *initial in result.blocks(*names, *static):
+        rise = force - initial[0] if initial else force
+        for ends in (i, j):
+            np.maximum.at(largest, result.rows(ends), rise)
+    return largest
 
 
 def reflection_arrivals(
@@ -377,10 +472,12 @@ def reflection_arrivals(
     """
     if result.case.load.keeps_oscillating:
         return None
+    base = reached(result)
     if result.case.precompression is None:
         front = arrivals_of_groups(result, layer, len(depth))
+        if not np.isfinite(front[-1]) and base is not None and base.dynamic_peak_force > least:
+            front[-1] = base.arrival or np.inf  # the force of the last layer still rises
     else:
-        base = reached(result)
         if base is None or not depth[-1] > 0:
             return None
         is_there = base.dynamic_peak_force > least
@@ -391,10 +488,44 @@ def reflection_arrivals(
     return np.asarray(2 * front[-1] - np.minimum(front, front[-1]))
 
 
+def _layers_of(result: Result, grains: NDArray[np.bool_] | None) -> tuple[Array, NDArray[np.int64]]:
+    """Return the depth of each layer, m, and the layer of each sphere, -1 for spheres that do not
+    belong to ``grains``, if these are given.
+    """
+    depth = result["spheres/position"][:, 2] - result.origin[2]
+    radius = result["spheres/radius"]
+    diameter = result.case.packing.diameter
+    if grains is None:
+        return layers(depth, radius, diameter)
+    mean, own = layers(depth[grains], radius[grains], diameter)
+    layer = np.full(len(depth), -1, dtype=np.int64)
+    layer[grains] = own
+    return mean, layer
+
+
+def _peaks_of_run(result: Result, grains: NDArray[np.bool_] | None) -> Array:
+    """Return the largest rise of a contact force of each sphere in the run, N: (n_spheres,); 0 for
+    other spheres than ``grains``, if these are given. For the beads of a chain to which grains were
+    added it is the largest force of their contacts with each other.
+    """
+    force = dynamic_peak_forces(result)
+    if grains is None:
+        return force
+    beads = beads_on_axis(result)
+    if beads is None or not np.array_equal(beads, grains):
+        return np.where(grains, force, 0.0)
+    largest = np.zeros(result.n_spheres)
+    for i, j, rise, _ in dynamic_contact_peaks(result):
+        between = beads[result.rows(i)] & beads[result.rows(j)]
+        for ends in (i, j):
+            np.maximum.at(largest, result.rows(ends[between]), rise[between])
+    return largest
+
+
 def _largest(force: Array, layer: NDArray[np.int64], n_layers: int) -> Array:
     """Return the largest of the forces of the spheres of each layer: (n_layers,), N."""
     largest = np.zeros(n_layers)
-    np.maximum.at(largest, layer, force)
+    np.maximum.at(largest, layer[layer >= 0], force[layer >= 0])
     return largest
 
 
@@ -447,11 +578,11 @@ def _differs_along_depth(result: Result, shown: Array) -> bool:
         Depths of the layers that count: (n,), m.
     """
     radius = result["spheres/radius"]
-    depth = result["spheres/position"][:, 2] - result.origin[2]
-    mean, layer = layers(depth, radius, result.case.packing.diameter)
+    mean, layer = _layers_of(result, beads_on_axis(result))
     body = result.assembly.body[result["spheres/id"] - 1]
     kinds = np.zeros((len(mean), int(body.max()) + 1), dtype=np.int64)
-    np.add.at(kinds, (layer, body), 1)
+    is_in_layer = layer >= 0
+    np.add.at(kinds, (layer[is_in_layer], body[is_in_layer]), 1)
     is_shown = np.isin(mean, shown)
     most = kinds[is_shown].argmax(axis=1)
     size = np.array([np.median(radius[layer == n]) for n in np.flatnonzero(is_shown)])
@@ -495,5 +626,6 @@ def _peaks_since(
     for i, j, peak, when in dynamic_contact_peaks(result):
         for ends in (i, j):
             there = layer[result.rows(ends)]
-            is_since[there[(peak >= force[there]) & (when >= since[there])]] = True
+            is_largest = (there >= 0) & (peak >= force[there]) & (when >= since[there])
+            is_since[there[is_largest]] = True
     return is_since

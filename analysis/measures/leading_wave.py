@@ -2,47 +2,123 @@
 speeds in stretches of one material and diameter.
 
 The reflection starts when the wave arrives at the end of the chain: once the force on the bottom,
-or on the last contact without one, has risen by 1 % of its largest rise. Contacts whose force has
-fallen again by then carried the first wave only.
+or on the last contact without one, has risen by 1 % of its largest rise. The first wave is recorded
+until then, or until the end of the run.
+
+The first pulse is not always the largest. In a chain that yields, a larger pulse can follow at some
+distance, and the record can end between the two. The peak of a contact is known only if
+
+* its force has fallen again at the end of the record, and
+* no larger pulse is on its way. The wave arrived at the contact k at the time T_k, and at a contact
+  j before it at T_j. The record, which ends at t, shows t - T_k of the wave at k. The part of the
+  wave at j that is later than T_j + t - T_k has not passed k. The largest force of this part must
+  not be more than 1 % above the peak of k.
+
+Waves behind the front are assumed to travel no faster than the front, and not to grow by more than
+that. In 25 chains of 15 to 60 beads (elastic, damped and yielding; brass, steel and aluminium; with
+a wall, held or free at the end; preloaded, with a heavy first bead, with two materials, under force
+pulses) known peaks are within 1 % of the peaks of chains of 100 to 110 beads. The largest forces
+before the reflection, without this condition, were up to 45 % too small.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.measures.fronts import line_motions
 from granwave.analysis.measures.regions import stretches
-from granwave.analysis.measures.signals import Array, arrival
+from granwave.analysis.measures.signals import Array, arrival, arrivals
 from granwave.analysis.measures.target_record import ARRIVED, reached
 from granwave.analysis.result.reader import Result
 
 _LEAD = 5  # beads, including the impacted one, in which the wave takes its shape
 _FEWEST_BEADS = 4  # fewest beads of a speed
+SAME_PEAK = 0.01  # a pulse that is larger by this fraction of the peak is larger
 _REACHED = 1e-3  # fraction of the largest rise of all: the wave has reached the contact
+
+
+@dataclass(frozen=True, eq=False)
+class FirstWave:
+    """Peak forces of the first wave along a chain; arrays (n_contacts,).
+
+    Attributes
+    ----------
+    peak
+        Largest rise of the force above its static value before the reflection, N.
+    is_known
+        True where the wave has passed: the force has fallen again, and no larger pulse is on its
+        way.
+    is_passing
+        True where the force has fallen again, and a larger pulse may still come.
+    reflection
+        Time at which the wave arrives at the end of the chain, s; None: not before the end of the
+        run.
+    """
+
+    peak: Array
+    is_known: NDArray[np.bool_]
+    is_passing: NDArray[np.bool_]
+    reflection: float | None
+
+
+def first_wave(result: Result) -> FirstWave:
+    """Return the peak forces of the first wave along a chain."""
+    time = result["chain/time"]
+    force = result["chain/contact_force"]
+    n_contacts = force.shape[1]
+    nowhere = np.zeros(n_contacts, dtype=bool)
+    static = force[0] if result.case.precompression is not None else np.zeros(n_contacts)
+    rise = np.maximum(force - static, 0.0)
+    start = _reflection_start(result, time, rise) if n_contacts else None
+    n_rows = len(time) if start is None else int(np.searchsorted(time, start, side="right"))
+    record = rise[:n_rows]
+    if not record.size:
+        return FirstWave(np.full(n_contacts, np.nan), nowhere, nowhere, start)
+    has_fallen = record.argmax(axis=0) < n_rows - 1
+    exact = np.maximum(result.along_chain("peak_force") - static, 0.0)
+    is_of_first = result.along_chain("time_peak") <= time[n_rows - 1]
+    peak = np.where(is_of_first, exact, record.max(axis=0))
+    is_awaited = _awaits_larger_pulse(time[:n_rows], record)
+    return FirstWave(peak, has_fallen & ~is_awaited, has_fallen & is_awaited, start)
 
 
 def leading_peaks(result: Result) -> Array:
     """Return the largest rise of the force of each contact of a chain in the first wave, above the
     static force: (n_contacts,), N; 0 where the wave has not passed before the end of the run, NaN
-    where the reflection came before the force had passed its peak.
+    where it has not passed before the reflection.
     """
-    time = result["chain/time"]
-    force = result["chain/contact_force"]
-    if not force.shape[1]:
-        return np.empty(0)
-    static = force[0] if result.case.precompression is not None else np.zeros(force.shape[1])
-    rise = np.maximum(force - static, 0.0)
-    start = _reflection_start(result, time, rise)
-    n_rows = len(time) if start is None else int(np.searchsorted(time, start, side="right"))
-    first = rise[:n_rows]
-    if not first.size:
-        return np.full(force.shape[1], np.nan)
-    peaks = first.max(axis=0)
-    is_complete = first.argmax(axis=0) < n_rows - 1
-    exact = np.maximum(result.along_chain("peak_force") - static, 0.0)
-    is_of_first = result.along_chain("time_peak") <= time[n_rows - 1]
-    peaks = np.where(is_of_first, exact, peaks)
-    return np.where(is_complete, peaks, 0.0 if start is None else np.nan)
+    return known_peaks(first_wave(result))
+
+
+def known_peaks(wave: FirstWave) -> Array:
+    """Return the peak forces of a wave: (n_contacts,), N; 0 or NaN where not known, as
+    `leading_peaks`.
+    """
+    return np.where(wave.is_known, wave.peak, 0.0 if wave.reflection is None else np.nan)
+
+
+def _awaits_larger_pulse(time: Array, rise: Array) -> NDArray[np.bool_]:
+    """Return True for contacts at which a pulse larger than all so far may still arrive, from
+    contacts that the wave reached before: (n_contacts,).
+
+    Parameters
+    ----------
+    time, rise
+        Record of the first wave: (n_times,), s, and (n_times, n_contacts), N.
+    """
+    peak = rise.max(axis=0)
+    arrived = arrivals(time, rise, np.maximum(ARRIVED * peak, np.finfo(float).tiny))
+    later = np.maximum.accumulate(rise[::-1], axis=0)[::-1]  # largest from each instant on
+    is_awaited = np.zeros(len(peak), dtype=bool)
+    for contact in np.flatnonzero(np.isfinite(arrived)).tolist():
+        before = np.flatnonzero(arrived <= arrived[contact])
+        unseen = arrived[before] + time[-1] - arrived[contact]
+        rows = np.minimum(np.searchsorted(time, unseen), len(time) - 1)
+        is_awaited[contact] = later[rows, before].max() > (1 + SAME_PEAK) * peak[contact]
+    return is_awaited
 
 
 def _reflection_start(result: Result, time: Array, rise: Array) -> float | None:

@@ -142,7 +142,7 @@ def power(x: ArrayLike, y: ArrayLike) -> Power:
     Raises
     ------
     ValueError
-        There are fewer than two.
+        There are fewer than two, or all have the same x.
     """
     x = np.asarray(x, dtype=np.float64)
     y = np.asarray(y, dtype=np.float64)
@@ -150,6 +150,11 @@ def power(x: ArrayLike, y: ArrayLike) -> Power:
     if np.count_nonzero(chosen) < 2:
         raise ValueError(
             f"found {np.count_nonzero(chosen)} points, expected two or more for a power law"
+        )
+    if np.ptp(x[chosen]) == 0.0:
+        raise ValueError(
+            f"found x = {x[chosen][0]:g} at all points, expected two or more different values "
+            "for a power law"
         )
     from scipy import stats  # imported on demand: slow to load
 

@@ -70,6 +70,7 @@ _WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance from each 
 _DISTANCES = ("depth", "radius", BOTTOM, SIDES)
 IMAGES = "periodic images"  # beyond periodic sides, in texts
 PERIODIC_SIDES = "sides_periodic"  # key of the summary
+COLLISION = (1, 2)  # numbers of spheres of a single collision
 WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # results of `wave_returns`
 _ROUNDING = 1e-12  # tolerance of sums of energy against a fraction, relative
 # fraction of the energy dissipated after the first wave returned, above which the run is marked
@@ -256,7 +257,10 @@ def cut_of(zone: Zone) -> list[str]:
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
-    """Return the values of the summary on the size of the plastic zone; None without yielding."""
+    """Return the values of the summary on the size of the plastic zone; None without yielding.
+
+    In a collision of two spheres, the values on boundaries are None.
+    """
     if not result.yields:
         keys = ("zone_cut", "zone_growing", PERIODIC_SIDES, *WAVE_KEYS)
         return zone_sizes(None) | dict.fromkeys(keys)
@@ -276,11 +280,16 @@ def zone_summary(result: Result) -> dict[str, Any]:
         outermost = active[name] >= (1 - _SAME) * active[name][has_yielded].max()
         if np.nanmin(when[outermost]) > (1 - _LATE) * time[-1]:
             growing.append(name)
+    cut: list[str] | None = cut_of(active)
+    returns = wave_returns(times, time, lost)
+    if result.n_spheres in COLLISION:
+        cut = None
+        returns = dict.fromkeys(WAVE_KEYS)
     return (
         sizes
-        | {"zone_cut": cut_of(active), "zone_growing": growing}
+        | {"zone_cut": cut, "zone_growing": growing}
         | {PERIODIC_SIDES: result.case.boundary.periodic}
-        | wave_returns(times, time, lost)
+        | returns
     )
 
 
@@ -397,11 +406,18 @@ class Mark(IntEnum):
 LABELS = {Mark.CUT: "zone reaches a boundary", Mark.WAVE: "reflected wave came back"}
 
 
+def is_collision(summary: Mapping[str, Any]) -> bool:
+    """Return True for a collision of two spheres, or of a sphere and a wall: no boundary limits its
+    zone.
+    """
+    return summary.get("n_spheres") in COLLISION
+
+
 def mark_of(summary: Mapping[str, Any]) -> Mark:
     """Return the mark of a run; `Mark.NONE` if its summary has no plastic zone, or for a collision
     of two spheres.
     """
-    if summary.get("n_spheres") in (1, 2):
+    if is_collision(summary):
         return Mark.NONE
     if summary.get("zone_cut"):
         return Mark.CUT

@@ -10,7 +10,6 @@ from typing import Any
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
 from granwave.analysis.document.model import (
     Beside,
@@ -31,20 +30,30 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
+from granwave.analysis.measures.beads import crest_speed
+from granwave.analysis.measures.force_decay import ForceDecay, force_decay
+from granwave.analysis.measures.leading_wave import stretch_speeds
 from granwave.analysis.measures.regions import stretches
 from granwave.analysis.measures.target_record import momentum_in_words, reached
+from granwave.analysis.measures.zone_resolution import (
+    error_of,
+    is_unresolved,
+    percent_with_error,
+)
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import picture_in
+from granwave.analysis.reports.first_wave import course_of_beads, course_of_peaks
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
-from granwave.analysis.reports.setting import is_chain, target_of
+from granwave.analysis.reports.setting import is_chain, origin_of, target_of
 from granwave.analysis.result.reader import Result
-from granwave.analysis.scans.keys import WORTH, Means, VariedKey
+from granwave.analysis.scans.keys import VariedKey
+from granwave.analysis.scans.means import WORTH, Means
 from granwave.analysis.summary_table import has_no_pairs
+from granwave.lammps_inputs.case.added_grains import has_added_to_chain
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
@@ -56,16 +65,17 @@ _MOST_ROWS = 14  # most rows of the table of means; two keys with more are cross
 _MOST_OPEN = 3  # most scans whose figures and tables are not folded
 _OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
 _THIN = 40.0  # length over width of a packing above which images of its grains are lines
-_REACHED = 1e-3  # fraction of the largest peak force: contacts that the wave has reached
-_SAME_FORCE = 1e-3  # relative difference of forces that are constant along a chain
-_FEWEST_LEVEL = 4  # fewest contacts at the end of a course with a constant force
-_FEWEST_CONTACTS = 2  # fewest contacts of a course
 #: Values of a run, in order; a row is shown if all its values are present.
 _SENTENCES = (
     "The coefficient of restitution was {restitution}.",
     "The peak force on the target was {target_bore}.",
     "The peak force on the ground below it was {ground_bore}.",
     "The wave speed was {along_chain}.",
+    "The wave speed along the beads was {along_beads} in the deeper half.",
+    "The speed of the wave crest along the beads was {crest_along_beads} in the deeper half.",
+    "The peak force between beads {decay_of_beads}.",
+    "The peak force between beads above the static force {dynamic_decay_of_beads}.",
+    "It {fit_of_beads}.",
     "The peak force of the wave {decay}.",
     "The peak force of the wave above the static force {dynamic_decay}.",
     "{absorbed_fraction} of the input energy of {energy_input_J} was absorbed by the absorbing "
@@ -81,10 +91,14 @@ _SENTENCES = (
     "None of the input energy of {kept} was dissipated.",
     "{n_loaded_contacts} of {n_contacts} contacts were loaded.",
 )
-_ALONG_LINE = (  # values along a line, with its name
-    "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}.",
-    "Its peak speed decays by {{line_{0}_decay_per_m}}.",
+_ALONG_LINE = "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}."
+_ONE_DECAY = "Its peak speed decays by {{line_{0}_decay_per_m}}."
+_TWO_DECAYS = (
+    "Its peak speed decays by {{line_{0}_decay_first_per_m}} up to "
+    "{{line_{0}_decay_border_m}} from its first grain, and by "
+    "{{line_{0}_decay_second_per_m}} beyond."
 )
+_SAME_DECAY = 0.1  # relative difference of two rates that are given as one
 _SENSORS = (  # values of the sensors with the largest and smallest signal, with their names
     "Sensors recorded at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least "
     "{{sensor_{1}_peak_velocity_m_s}} ({1})."
@@ -303,7 +317,8 @@ def in_words(run: ReportRun) -> str:
     lost = run.number("dissipated_fraction")
     absorbed = run.number("absorbed_fraction") or 0.0
     if lost:
-        values["lost"] = share(lost - absorbed)
+        error = error_of("dissipated_fraction", summary)
+        values["lost"] = percent_with_error(lost, error) if error else share(lost - absorbed)
     elif lost == 0:
         values["kept"] = values["energy_input_J"]
     if absorbed <= WORTH:
@@ -312,15 +327,15 @@ def in_words(run: ReportRun) -> str:
     _name_zone(run, values)
     _name_forces(run, values)
     _name_contacts(run, values)
-    if is_chain(run.case) and "transmission" not in values:
-        values["dynamic_decay" if _is_precompressed(run) else "decay"] = _decay(_peaks(run))
-        values["along_chain"] = _speeds(run, values.get("wave_speed_m_s", ""))
+    if "transmission" not in values:
+        _name_wave(run, values)
     if (plate := run.number("plate_velocity_m_s")) is not None:
         values["plate"] = f"{'rebounds' if plate < 0 else 'still moves in'} at {abs(plate):.4g} m/s"
     values = {name: text for name, text in values.items() if text}
     lines = list[str]()
     for name in _named(summary, "line_", "_front_speed_m_s"):
-        lines += [text.format(name) for text in _ALONG_LINE]
+        decay = _TWO_DECAYS if _has_two_decays(run, name) else _ONE_DECAY
+        lines += [text.format(name) for text in (_ALONG_LINE, decay)]
     seen = {name: summary[f"sensor_{name}_peak_velocity_m_s"] or 0.0
             for name in _named(summary, "sensor_", "_peak_velocity_m_s")}  # fmt: skip
     ends = (
@@ -330,6 +345,55 @@ def in_words(run: ReportRun) -> str:
     )
     sensors = [_SENSORS.format(*ends)] if ends else []
     return sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
+
+
+def _has_two_decays(run: ReportRun, line: str) -> bool:
+    """Return True if the peak speed along a line decays by different rates in two regions."""
+    first = run.number(f"line_{line}_decay_first_per_m")
+    second = run.number(f"line_{line}_decay_second_per_m")
+    if first is None or second is None:
+        return False
+    return abs(second - first) > _SAME_DECAY * max(abs(first), abs(second))
+
+
+def _name_wave(run: ReportRun, values: dict[str, str]) -> None:
+    """Add the speed of the wave along a chain, and the course of its peak forces; those of the
+    beads if grains were added next to them.
+    """
+    if has_added_to_chain(origin_of(run.case)):
+        values |= _of_beads(run, values.get("wave_speed_m_s", ""))
+    elif is_chain(run.case):
+        values["dynamic_decay" if _is_precompressed(run) else "decay"] = course_of_peaks(run)
+        values["along_chain"] = _speeds(run, values.get("wave_speed_m_s", ""))
+
+
+def _of_beads(run: ReportRun, speed: str) -> dict[str, str]:
+    """Return the values of the sentences on the beads of a chain with added grains: speed of the
+    wave, or of its crest where contacts are loaded from the start, and decay of the peak forces.
+
+    Parameters
+    ----------
+    speed
+        Of the front of the wave; empty if it is unknown.
+    """
+    values: dict[str, str] = {}
+    try:
+        with Result(run.results) as result:
+            course = course_of_beads(result)
+            crest = crest_speed(result)
+            decay = force_decay(result)
+    except (GranwaveError, KeyError, ValueError, IndexError):
+        return values
+    if speed:
+        values["along_beads"] = speed
+    elif crest is not None:
+        values["crest_along_beads"] = quantity_in(crest, "m/s")
+    if course and isinstance(decay, ForceDecay):
+        values["fit_of_beads"] = (
+            f"falls exponentially with the depth, by {decay.rate:.3g} per m (fit)"
+        )
+    values["dynamic_decay_of_beads" if _is_precompressed(run) else "decay_of_beads"] = course
+    return values
 
 
 def _name_forces(run: ReportRun, values: dict[str, str]) -> None:
@@ -370,9 +434,10 @@ def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
 
 def _name_zone(run: ReportRun, values: dict[str, str]) -> None:
     """Change the lengths of the plastic zone: interpolated between spheres, as in the table; none
-    for a zone without both.
+    for a zone without both, or that is not resolved.
     """
-    if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
+    has_both = run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None
+    if not has_both or is_unresolved(run.summary):
         values.pop("zone_depth_90_m", None)
         return
     for name in ("zone_depth_90", "zone_radius_90"):
@@ -445,59 +510,3 @@ def _named(summary: Mapping[str, Any], start: str, end: str) -> list[str]:
         for key in summary
         if key.startswith(start) and key.endswith(end)
     ]
-
-
-def _decay(peaks: NDArray[np.float64]) -> str:
-    """Return the course of the peak force of the first wave along the contacts of a chain; empty if
-    fewer than two contacts are known.
-
-    Parameters
-    ----------
-    peaks
-        As of `leading_peaks`: (n_contacts,), N.
-    """
-    known = np.flatnonzero(peaks > _REACHED * np.nanmax(peaks, initial=0.0))
-    if len(known) < _FEWEST_CONTACTS:
-        return ""
-    course = _course(peaks[known], known + 1)
-    is_cut = bool(np.isnan(peaks[known[-1] :]).any())
-    return course + (
-        f"; contacts beyond {known[-1] + 1} also carry the reflection" if is_cut else ""
-    )
-
-
-def _course(force: NDArray[np.float64], contact: NDArray[np.intp]) -> str:
-    """Return the course of forces along contacts, by their numbers: (n,) each."""
-    level = np.abs(force / force[-1] - 1) <= _SAME_FORCE
-    n_level = int(np.argmin(level[::-1])) if not level.all() else len(level)
-    first = f"{quantity_in(float(force[0]), 'N')} in contact {contact[0]}"
-    if n_level == len(force):
-        return f"is constant within 0.1 %: {first} to {contact[-1]}"
-    steps = np.diff(force) / force[:-1]
-    verb = ""
-    if np.all(steps <= _SAME_FORCE):
-        verb = "decreases"
-    elif np.all(steps >= -_SAME_FORCE):
-        verb = "increases"
-    if not verb:
-        ends = [
-            f"{quantity_in(float(force[k]), 'N')} in contact {contact[k]}"
-            for k in (int(force.argmin()), int(force.argmax()))
-        ]
-        return f"is between {ends[0]} and {ends[1]}"
-    at = len(force) - n_level if n_level >= _FEWEST_LEVEL else len(force) - 1
-    text = f"{verb} from {first} to {quantity_in(float(force[at]), 'N')} in contact {contact[at]}"
-    if at == len(force) - 1:
-        return text
-    return f"{text} and is constant within 0.1 % from there to contact {contact[-1]}"
-
-
-def _peaks(run: ReportRun) -> NDArray[np.float64]:
-    """Return the largest dynamic force of each contact along a chain in the first wave:
-    (n_contacts,), N; empty without a chain.
-    """
-    try:
-        with Result(run.results) as result:
-            return leading_peaks(result) if "chain" in result else np.empty(0)
-    except (GranwaveError, KeyError, ValueError, IndexError):
-        return np.empty(0)

@@ -20,7 +20,7 @@ from granwave.analysis.reports.kinds import (
     report_kind_in,
 )
 from granwave.analysis.result.not_a_run import around, similar
-from granwave.analysis.scans.keys import Means, means_of
+from granwave.analysis.scans.means import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.studies.registry import STUDIES, is_study_file
 from granwave.lammps_inputs.errors import InputError, InputFault

@@ -112,9 +112,12 @@ class ReportRun:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings about the case and the run that its record keeps."""
+        """Warnings about the case and the run that its record keeps, and that follow from its
+        summary.
+        """
         texts = self.record.get("warnings")
-        return [str(text) for text in texts] if isinstance(texts, list) else []
+        kept = [str(text) for text in texts] if isinstance(texts, list) else []
+        return [*kept, *self.kind.doubts(self.summary)]
 
     @property
     def has_balance(self) -> bool:
@@ -289,6 +292,10 @@ class ReportKind:
     def setting(self, run: ReportRun) -> str:
         """Return a description of the run in a line; empty: its case describes it."""
         return ""
+
+    def doubts(self, summary: Mapping[str, Any]) -> list[str]:
+        """Return warnings that follow from a summary, sentences without full stops."""
+        return []
 
     def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:
         """Return symbols of figures and tables of runs of this kind, in addition to the symbols of

@@ -38,6 +38,7 @@ from granwave.analysis.measures.zone_size import (
     PERIODIC_SIDES,
     Mark,
     bounds_in_words,
+    is_collision,
     mark_of,
 )
 from granwave.analysis.reports.answer import answer_blocks, main_figures
@@ -72,6 +73,7 @@ from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _IN_TITLE = 3  # most names in the title
+_TIGHT = 1e-3  # largest accepted error of a balance that badges do not state
 #: Notes on runs, before their names.
 _REFUSED = "Rejected: energy balance error too large"
 _POOR = "Energy balance error too large, do not use (up to {off} of the input, more than {most})"
@@ -276,7 +278,7 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
     balanced = [run for run in runs if run.has_balance]
     if balanced:
         tones = [verdict(run)[1] for run in balanced]
-        closed = "energy balance closed"
+        closed = _closed(balanced)
         if "bad" in tones or "note" not in tones:
             poor = tones.count("bad")
             badges.append(
@@ -304,6 +306,14 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
             )
         )
     return tuple(badges)
+
+
+def _closed(runs: Sequence[ReportRun]) -> str:
+    """Return the text of an energy balance that is accepted, with the bound if it is large."""
+    bound = max(run.accepted_error for run in runs)
+    if bound <= _TIGHT:
+        return "energy balance closed"
+    return f"energy balance within {show(100 * bound)} %"
 
 
 def _badge(count: int, total: int, good: str, bad: str, tone: Tone, section: str) -> Badge:
@@ -386,9 +396,10 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
 def _has_zone(run: ReportRun) -> bool:
     """Return True for a run whose plastic zone could reach a boundary.
 
-    A packing of one layer has no depth; if it also has no sides, its zone has no extent.
+    A packing of one layer has no depth; if it also has no sides, its zone has no extent. A
+    collision of two spheres has no zone that boundaries limit.
     """
-    if run.summary.get("zone_cut") is None:
+    if run.summary.get("zone_cut") is None or is_collision(run.summary):
         return False
     sizes = [run.summary.get(name) for name in ("zone_depth_90_m", "zone_radius_90_m")]
     has_yielded = bool(run.number("energy_dissipated_plastic_J"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import logging
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from operator import itemgetter
@@ -28,7 +29,7 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.figures.style import NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import plain, superscript
-from granwave.analysis.formatting.values import ratio_in_words
+from granwave.analysis.formatting.values import ratio_in_words, readable_unit
 from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import ReportInputs
@@ -36,8 +37,10 @@ from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.registry import COMPARISON, STUDIES, is_study_file
 from granwave.analysis.studies.runs import AnyRun, FinishedRun
-from granwave.analysis.studies.study import Kind, Row, Study, make_studies
+from granwave.analysis.studies.study import Kind, Row, Study, make_studies, requirement
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
+
+_LOG = logging.getLogger(__name__)
 
 SLUG = "studies"
 
@@ -76,7 +79,7 @@ _KINDS: dict[Kind, tuple[str, str]] = {
     "source": ("source against ours", "Theory"),
     "theory": ("theory against ours", "Theory"),
     "verification": ("verification of the code", "Must be"),
-    "alone": ("ours alone", "Theory"),
+    "alone": ("granwave only (no reference)", "Theory"),
 }
 _VERIFIES = (
     "A verification tests the code, not a source: it compares with a second solver, a check "
@@ -195,7 +198,19 @@ def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
                     offered.setdefault(name, {})[run.directory] = found
                 elif run.kind.of_spheres:
                     offered.setdefault(name, {})
-    return make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
+    made = make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
+    _warn_of_missing(made, named)
+    return made
+
+
+def _warn_of_missing(made: Sequence[Study], named: Sequence[str]) -> None:
+    """Warn of studies named by the user that do not suit the runs."""
+    made_by_name = {study.named for study in made}
+    for name in named:
+        if name not in made_by_name:
+            _LOG.warning(
+                "the report does not contain the study %s, which needs %s", name, requirement(name)
+            )
 
 
 def _runs_of_studies(
@@ -269,7 +284,7 @@ def _footnotes(rows: Sequence[Row]) -> dict[str, str]:
 def _quantity_name(row: Row, footnotes: Mapping[str, str]) -> str:
     """Return the quantity of a row with its unit and the mark of its remark."""
     quantity = ratio_in_words(row.quantity)
-    name = f"{quantity} ({row.unit})" if row.unit else quantity
+    name = f"{quantity} ({readable_unit(row.unit)})" if row.unit else quantity
     return f"{name} {footnotes[row.remark]}" if row.remark else name
 
 

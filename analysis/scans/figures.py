@@ -31,7 +31,14 @@ from granwave.analysis.scans.curve_points import (
 )
 from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import VariedKey, key_of
-from granwave.analysis.scans.ordinates import Ordinate, Value, ordinates, plastic_spheres, value_of
+from granwave.analysis.scans.ordinates import (
+    Ordinate,
+    Value,
+    is_constant,
+    ordinates,
+    plastic_spheres,
+    value_of,
+)
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.scans.table import (
     independent_keys,
@@ -48,9 +55,9 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
 
     For each numeric key of three values or more: ``QUANTITY_vs_KEY``, with curves by the other
     keys. If nothing changes along such a key: bars for each value of the category with most values,
-    or curves over keys of two values. If velocity and material vary: ``collapse_QUANTITY``, on
-    normalised axes. If exactly two numeric keys vary and fill a grid of three by three or more:
-    ``dissipated_fraction_map``.
+    or curves over keys of two values. If velocity and material vary, and the normalised axis has
+    three values: ``collapse_QUANTITY``, on normalised axes. If exactly two numeric keys vary and
+    fill a grid of three by three or more: ``dissipated_fraction_map``.
 
     Quantities without variation in any curve have no figure: a quantity that is constant, or zero
     at some points of a curve and constant elsewhere.
@@ -215,14 +222,15 @@ class _Data:
     def _collapse(
         self, key: str, ordinate: tuple[str, str], values: Series, marks: Series
     ) -> Callable[[], Drawing] | None:
-        """Return a function that draws values over a normalised quantity; None with too few points.
+        """Return a function that draws values over a normalised quantity; None with fewer than
+        three abscissae, or if nothing changes.
 
         ``ordinate`` has the title and the column of the values.
         """
         title, column = ordinate
         others = keys_of_curves(self.keys, self.free, "load.velocity")
         table = points_of(_values(value_of(key), self.points), values, others, marks)
-        if len(table) < FEWEST:
+        if table.x.nunique() < FEWEST_LEVELS or is_constant(table["mean"]):
             return None
         titles = (quantity(key).title, title)
         columns = (key, column)

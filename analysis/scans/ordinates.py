@@ -2,7 +2,8 @@
 scale.
 
 Lengths are divided by the diameter, volumes by its cube, and forces by the yield force, if all
-points have these.
+points have the same. A scale that varies from point to point would change the order of the values:
+they are then in their unit, as in the sentences and tables of a report.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from pandas import Series
 from granwave.analysis.document.model import is_number
 from granwave.analysis.formatting.values import printed_unit
 from granwave.analysis.quantities import quantity, scan_figures
-from granwave.analysis.scans.keys import with_values
+from granwave.analysis.scans.means import is_mostly_known, with_values
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, protects
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
@@ -68,39 +69,31 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
     """
     lengths, forces = _scales(varied, done)
     scales: dict[str, _Scale] = {}
-    if all(map(math.isfinite, lengths.values())):
+    if _is_common(lengths):
         volumes = {number: length**3 for number, length in lengths.items()}
         scales["m"] = ("D", "diameter", lengths)
         scales["m^3"] = ("D^3", "diameter_cubed", volumes)
-    if all(map(math.isfinite, forces.values())):
+    if _is_common(forces):
         scales["N"] = (r"F_\mathrm{y}", "yield_force", forces)
     present = with_values([point.summary for point in done])
-    shown = [
-        (_ordinate(name, key, scales), (name, key)) for name, key in scan_figures(present).items()
-    ]
     left_out = set()
-    if not all(math.isfinite(_number(point, "restitution")) for point in done):
+    if not is_mostly_known([point.summary.get("restitution") for point in done]):
         left_out.add("restitution")
     if any(math.isfinite(_number(point, "n_plastic_spheres")) for point in done):
         left_out.add("plastic_zone_volume")  # shown by the number of spheres
     if not protects(varied, [point.summary for point in done]):
         left_out.add(REDUCTION)
     return [
-        _with_change(ordinate, name, key, done)
-        for ordinate, (name, key) in shown
+        _ordinate(name, key, scales)
+        for name, key in scan_figures(present).items()
         if name not in left_out
     ]
 
 
-def _with_change(ordinate: Ordinate, name: str, key: str, done: Sequence[PointResult]) -> Ordinate:
-    """Return a quantity; in its unit if it is the same at all points after division by a scale.
-
-    A figure then shows the law of the scale, such as a force that grows with the diameter squared.
-    """
-    plain = _ordinate(name, key, {})
-    in_unit = Series(list(map(plain.value, done)))
-    scaled = Series(list(map(ordinate.value, done)))
-    return plain if is_constant(scaled) and not is_constant(in_unit) else ordinate
+def _is_common(scale: Mapping[int, float]) -> bool:
+    """Return True for a scale that is known and the same at all points."""
+    sizes = Series(scale, dtype=float)
+    return bool(sizes.notna().all()) and is_constant(sizes)
 
 
 def _ordinate(name: str, key: str, scales: Mapping[str, _Scale]) -> Ordinate:

@@ -11,7 +11,8 @@ A built-in study is a module with
 and, where they are wanted, `title(group)`, `name(group)` (short, for links and files),
 `tables(group)` (with notes on them) and `verdict(group)`. `missing(group, undone)` are sentences
 for the end of the verdict about points of its scans that failed or were not run, as values of the
-keys that vary. `RUN_TYPE` is the class of the runs that `select` gets, usually
+keys that vary. `NEEDS` describes the runs that the study needs, for a warning if there are none.
+`RUN_TYPE` is the class of the runs that `select` gets, usually
 `granwave.analysis.studies.runs.FinishedRun`. A group is whatever `select` makes of the runs.
 Without `name` a study has the name of its entry in this file; several groups are then numbered, and
 so are their pictures. `make_studies` in `study` puts it together.

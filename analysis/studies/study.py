@@ -181,6 +181,8 @@ class Study:
         Results, in sentences for the top of the report.
     failed
         Parts that could not be drawn or computed.
+    named
+        Name or path by which a scan or the user named the study.
     """
 
     name: str
@@ -191,6 +193,7 @@ class Study:
     tables: tuple[DocumentTable | Note, ...] = ()
     verdict: tuple[str, ...] = ()
     failed: tuple[NotDrawn, ...] = ()
+    named: str = ""
 
 
 def make_studies(
@@ -219,8 +222,16 @@ def make_studies(
         modules |= {name: load_study(name) for name in runs if is_study_file(name)}
         studies = list[Study]()
         for name, module in modules.items():
-            studies += _make(Path(name).stem, module, runs[name], (undone or {}).get(name, ()))
+            made = _make(Path(name).stem, module, runs[name], (undone or {}).get(name, ()))
+            studies += [dataclasses.replace(study, named=name) for study in made]
         return studies
+
+
+def requirement(name: str) -> str:
+    """State the runs that a study needs: ``packings of at least 3 heights``."""
+    if is_study_file(name):
+        return "at least one finished run that its function select(runs) accepts"
+    return getattr(importlib.import_module(STUDIES[name]), "NEEDS", "other runs")
 
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
@@ -287,7 +298,8 @@ class _Parts:
             if isinstance(error, MissingDataError) and is_loaded(self.module):
                 error = KeyError(str(error)).with_traceback(error.__traceback__)
             place = f"{which} of the study {self.study}, from number {done + 1} on,"
-            self.failed.append(not_made(place, error))
+            file = getattr(self.module, "__file__", None) if is_loaded(self.module) else None
+            self.failed.append(not_made(place, error, file=file))
 
 
 def _pictures(parts: _Parts, group: Any, ending: str) -> Iterator[Picture]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import re
 
 from docutils import nodes
 from latex2mathml.converter import convert
@@ -17,12 +18,20 @@ def mathml_of(formula: str, display: str) -> str:
     Raises
     ------
     ExtensionError
-        The formula cannot be read.
+        The formula cannot be read, or contains a command or an alignment mark that the converter
+        copies as text.
     """
     try:
-        return convert(formula, display=display)
+        mathml = convert(formula, display=display)
     except Exception as error:
         raise ExtensionError(f"the formula {formula!r} cannot be read: {error}") from error
+    copied = re.findall(r"&|\\[A-Za-z]*", html.unescape(re.sub(r"<[^>]*>", " ", mathml)))
+    if copied:
+        raise ExtensionError(
+            f"the formula {formula!r} would be shown with {', '.join(copied)} as text; "
+            "write it without them, several equations as displayed formulas of their own"
+        )
+    return mathml
 
 
 def visit_inline(writer: HTML5Translator, node: nodes.math) -> None:

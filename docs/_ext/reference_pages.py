@@ -21,15 +21,16 @@ FOLDER = ROOT / "docs"
 _OF_THE_BUILD = ("interface",)
 _GENERATED = ("reference/styles", "gallery/studies")  # folders that the build writes
 _ANCHOR = re.compile(r"^\(.+\)=\n", re.MULTILINE)
-_INDEX = re.compile(r"^```\{index\} .*\n```\n+", re.MULTILINE)
 _TERM = re.compile(r"^(?:\[(?P<linked>\*\*`[^`]+`\*\*)\]\{#[\w-]+\}|(?=`))(?P<rest>.*)\n: ", re.MULTILINE)  # fmt: skip
+_ENTRY = re.compile(r"\{entry\}`[^`]*`")
+_CELL = re.compile(r"^\| \[(`[^`]+`)\]\{#[\w-]+\}", re.MULTILINE)
 _USAGE = re.compile(r"^```\{code-block\} text\n:class: usage\n\n", re.MULTILINE)
 
 
 def plain(text: str) -> str:
     """Return Markdown of MyST without its anchors, entries of the index, options of blocks and
     lists of definitions."""
-    text = _INDEX.sub("", _ANCHOR.sub("", text))
+    text = _CELL.sub(r"| \1", _ENTRY.sub("", _ANCHOR.sub("", text)))
     text = _USAGE.sub("```text\n", text)
     return _TERM.sub(lambda term: f"* {term['linked'] or ''}{term['rest']}  \n  ", text)
 

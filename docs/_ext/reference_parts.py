@@ -11,7 +11,7 @@ import importlib
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -34,9 +34,11 @@ from granwave.workflows.file_kinds import CASE_FILE
 ROOT = Path(__file__).parents[2]
 MANUAL = ROOT / "plugins" / "doc"
 FIGURES = ROOT / "docs" / "figures"
+LAW_HEADERS = ROOT / "plugins" / "laws"
 sys.path.append(str(ROOT / "plugins" / "package"))
 from other_commands import other_commands  # noqa: E402  what the package's pages have, too
 
+_COLUMNS = 4  # pairs of columns of the table of constants
 _PLANE = re.compile(r"_(principal|orthogonal|section)$")
 _AT_PLANE = re.compile(r", (principal plane|perpendicular plane|plane of the case)$")
 #: A mark, with the kept table below it, if there is one.
@@ -59,29 +61,28 @@ def _section(table: KeyTable) -> str:
     level = (
         "##" if table.file == CASE_FILE.name else "###"
     )  # the pages of others have several kinds of files
-    searched = []
-    if table.file == CASE_FILE.name and table.name:
-        searched = [_indexed(f"{table.name}.{key.name}" for key in table.keys)]
     entries = [_entry(table, key) for key in table.keys]
-    return "\n\n".join([f"{anchor}{level} {title}", *searched, text, *entries])
+    return "\n\n".join([f"{anchor}{level} {title}", text, *entries])
 
 
-def _indexed(names: Iterable[str]) -> str:
-    """Return entries of the index, so that the search finds the page by each of the names."""
-    entries = ", ".join(f"! {name}" for name in names)
-    return f"```{{index}} {entries}\n```"
+def _indexed(name: str, anchor: str) -> str:
+    """Return an entry of the index, so that the search opens the anchor by the name."""
+    return f"{{entry}}`{name} <{anchor}>`"
 
 
 def _entry(table: KeyTable, key: Key) -> str:
-    anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-")
+    anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-").lower()
     unit = f" in {printed_unit(key.unit)}" if key.unit else ""
     facts = [
         f"Accepts {_escape(key.accepts)}.",
         *([f"{_sentence(key.usual)}"] if key.usual else []),
     ]
+    indexed = ""
+    if table.file == CASE_FILE.name and table.name:
+        indexed = _indexed(f"{table.name}.{key.name}", anchor)
     return "\n".join(
         [
-            f"[**`{key.name}`**]{{#{anchor}}}{unit}, {_state(key)}",
+            f"{indexed}[**`{key.name}`**]{{#{anchor}}}{unit}, {_state(key)}",
             f": {_sentence(key.description)} {' '.join(facts)} Example: `{key.example}`",
         ]
     )
@@ -107,18 +108,31 @@ def _escape(text: str) -> str:
 def quantities() -> str:
     """Return the values of summary.json of runs, with a section for each group."""
     shown = entries()
-    indexed = _indexed(entry.name for entry in shown if "*" not in entry.name)
     groups = GROUPS | {"Values of extensions": shown[len(ENTRIES) :]}
-    sections = [f"## {title}\n\n{_table_of(group)}" for title, group in groups.items() if group]
-    return "\n\n".join([indexed, *sections])
+    sections = [
+        f"## {title}\n\n{_table_of(group, searched=True)}"
+        for title, group in groups.items()
+        if group
+    ]
+    return "\n\n".join(sections)
 
 
-def _table_of(shown: Sequence[Quantity]) -> str:
-    """Return the table of the values of a summary."""
+def _table_of(shown: Sequence[Quantity], *, searched: bool = False) -> str:
+    """Return the table of the values of a summary.
+
+    Parameters
+    ----------
+    searched
+        Each row has an anchor, which the search opens by the name of the value.
+    """
     rows = []
     for entry in shown:
         what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
-        rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
+        name = f"`{entry.name}`"
+        if searched and "*" not in entry.name:
+            anchor = entry.name.replace("_", "-").lower()
+            name = f"{_indexed(entry.name, anchor)}[{name}]{{#{anchor}}}"
+        rows.append(f"| {name} | {printed_unit(entry.unit)} | {_escape(what)} |")
     return "\n".join(["| value | unit | meaning |", "|---|---|---|", *rows])
 
 
@@ -208,8 +222,12 @@ def figures() -> str:
     """
     table = tomllib.loads((FIGURES / "figures.toml").read_text(encoding="utf-8"))
     runs = {}
+    changes: dict[str, dict[str, Any]] = {}
     for entry in table["run"]:
-        runs |= dict.fromkeys(entry["figures"], entry)
+        # the figures of a case are all from one run, made with the first changes
+        changes.setdefault(entry["case"], entry.get("changes", {}))
+        drawn_run = entry | {"changes": changes[entry["case"]]}
+        runs |= dict.fromkeys(entry["figures"], drawn_run)
     planes: dict[str, list[str]] = {}
     for name in run_figures():
         planes.setdefault(_PLANE.sub("_*", name), []).append(name)
@@ -241,7 +259,18 @@ def _figure(title: str, first: str, drawn: str, runs: Mapping[str, Mapping[str, 
         return f"| `{title}` | {text} | - |"
     entry = runs[drawn]
     picture = f"![{_escape(caption)}](../figures/reference/figures/{drawn}.webp)"
-    return f"| `{title}` | {text} *In {entry['runs']}; here `{entry['case']}`.* | {picture} |"
+    here = f"`{entry['case']}`{_changed(entry['changes'])}"
+    return f"| `{title}` | {text} *In {entry['runs']}; here {here}.* | {picture} |"
+
+
+def _changed(changes: Mapping[str, Any]) -> str:
+    """Return the changes of the run of a picture, without keys of its output."""
+    keys = [
+        f"`{key} = {value}`"
+        for key, value in changes.items()
+        if not key.startswith("output.") and key != "run.frames"
+    ]
+    return f" with {', '.join(keys)}" if keys else ""
 
 
 def law_parameters() -> str:
@@ -292,7 +321,53 @@ def bibtex_entries() -> str:
 
 
 #: Functions that make the parts, by the names of their marks.
+def fe_constants() -> dict[str, float]:
+    """Return the constants of the law elastoplastic-fe by name, from their header."""
+    text = (LAW_HEADERS / "elastoplastic_fe_constants.h").read_text(encoding="utf-8")
+    pairs = re.findall(r"^  double (\w+) = ([-\d.e]+);$", text, re.MULTILINE)
+    return {name: float(value) for name, value in pairs}
+
+
+def fe_yield_coefficients() -> list[float]:
+    """Return the coefficients of the yield factor of that law by rising power, from its header."""
+    text = (LAW_HEADERS / "elastoplastic_fe.h").read_text(encoding="utf-8")
+    _, _, body = text.partition("static double yield_factor(double nu)")
+    polynomial = body.partition("return ")[2].partition(";")[0]
+    return [float(number) for number in re.findall(r"\d+\.\d+", polynomial)]
+
+
+def fe_constants_table() -> str:
+    """Return the constants of the law elastoplastic-fe as a table of several columns."""
+    cells = [f"| {name} | {value:g} " for name, value in fe_constants().items()]
+    lines = ["| constant | value " * _COLUMNS + "|", "|---|---" * _COLUMNS + "|"]
+    for start in range(0, len(cells), _COLUMNS):
+        row = cells[start : start + _COLUMNS]
+        lines.append("".join(row) + "| | " * (_COLUMNS - len(row)) + "|")
+    return "\n".join(lines)
+
+
+def fe_yield() -> str:
+    """Return the polynomial of the yield factor of the law elastoplastic-fe as a formula."""
+    first, *others = (f"{number:.10g}" for number in fe_yield_coefficients())
+    terms = [f"{number}\\, \\nu^{power}" for power, number in enumerate(others, start=1)]
+    terms[0] = terms[0].removesuffix("^1")
+    middle = 3
+    return "\n".join(
+        [
+            "$$",
+            " + ".join(["C(\\nu) = " + first, *terms[:middle]]),
+            "$$",
+            "",
+            "$$",
+            "\\qquad + " + " + ".join(terms[middle:]),
+            "$$",
+        ]
+    )
+
+
 PARTS: dict[str, Callable[..., str]] = {
+    "fe_constants": fe_constants_table,
+    "fe_yield": fe_yield,
     "keys": keys_of,
     "quantities": quantities,
     "commands": commands,

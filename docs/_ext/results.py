@@ -287,8 +287,8 @@ def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
 def _code(file: Path) -> list[str]:
     """Return the definitions of a module that affect rows.
 
-    Imports, comments, docstrings, the layout of the text, and the functions `pictures` and `tables`
-    are left out.
+    Imports, comments, docstrings, the layout of the text, the functions `pictures` and `tables`,
+    and the text `NEEDS` of a message are left out.
     """
     return [ast.unparse(node) for node in _definitions(file)]
 
@@ -306,6 +306,7 @@ def _definitions(file: Path) -> list[ast.stmt]:
         for node in tree.body
         if not isinstance(node, left_out)
         and getattr(node, "name", "") not in ("pictures", "tables")
+        and not (isinstance(node, ast.Assign) and "NEEDS" in _names_defined(node))
     ]
 
 

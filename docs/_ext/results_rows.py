@@ -15,7 +15,7 @@ from granwave.analysis.document.model import (
     significant,
 )
 from granwave.analysis.formatting.numbers import superscript
-from granwave.analysis.formatting.values import ratio_in_words
+from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.studies.study import Row
 
 _ROUNDING = 1e-12  # relative
@@ -55,7 +55,7 @@ def flagged(row: Row) -> Row:
 
 
 def excess(over: float) -> str:
-    return f"{significant(100 * over, 2)} %" if over < LARGE else factor(over)
+    return f"{float(f'{100 * over:.2g}'):g} %" if over < LARGE else factor(over)
 
 
 def difference(row: Row) -> str:
@@ -115,14 +115,14 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
             values = ", ".join("-" if one is None else significant(one, 5) for one in against)
             ours = ", ".join(significant(row.ours, row.digits) for row in rows)
             off = ", ".join(map(difference, rows))
-            unit = f" {rows[0].unit}" if rows[0].unit else ""
+            unit = rows[0].unit
             what = f"{KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
             shown = f"[{escaped(name)}]({links[number]})" if links else escaped(name)
             remark = _remark(rows)
             if remark:
                 remarks.append(remark)
                 off = f"{off} {superscript(len(remarks))}"
-            cells = [shown, what, values + unit, ours + unit, off]
+            cells = [shown, what, with_unit(values, unit), with_unit(ours, unit), off]
             text.append(f"| {' | '.join(cells)} |")
     for place, remark in enumerate(remarks, 1):
         text += ["", f"{superscript(place)} {escaped(remark)}"]

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,9 +34,11 @@ from results_rows import (
     table_of,
 )
 from results_stored import ROOT, STORED, read_stored, read_table, row_of
+from results_wide import parts_of
 
 from granwave.analysis.document.model import (
     DocumentSection,
+    DocumentTable,
     Note,
     Report,
     cleaned,
@@ -44,7 +46,7 @@ from granwave.analysis.document.model import (
     significant,
     tidied,
 )
-from granwave.analysis.formatting.values import ratio_in_words
+from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.reports.report import markdown
 from granwave.analysis.reports.studies import row_tables
 from granwave.analysis.studies.study import Row, Study
@@ -57,20 +59,33 @@ README = ROOT / "README.md"
 FIRST_PAGE = ROOT / "docs" / "index.md"
 PAPER = ROOT / "docs" / "paper" / "paper.md"
 _TITLE = "Comparison with the literature"
-_LEAD = (
-    "`make results` generates these pages from finished runs; no number is typed by hand. *Thesis* is R. K. Pal, University of "
-    "Illinois at Urbana-Champaign, 2015. *Composite chain* is the paper on chains of steel with brass or PTFE. *Square "
-    "packing* is Leonard, Fraternali, Daraio, Exp. Mech. *Lateral constraints* is J. Appl. Mech. 2020, doi "
-    "10.1115/1.4047004.\n\n"
-    "There are four kinds of rows:\n\n"
-    "* A *source* is a value printed in the literature.\n"
-    "* *Theory* is a value that follows from equations.\n"
-    "* A *verification* tests the code only: a second solver, a check value, a formula, or a scaling of any correct "
-    "code. The second solvers are in `tests/helpers` and share no code with granwave.\n"
-    "* Rows of *granwave only* have no reference.\n\n"
-    "If a source states only a bound (the end of an axis, or *at most*), no difference is given."
-)
+_LEAD = """\
+`make results` generates these pages from finished runs; no number is typed by hand. Four
+sources have short names:
+
+* *Thesis*: R. K. Pal, *Wave tailoring in elastic and elastoplastic granular systems*,
+  dissertation, University of Illinois at Urbana-Champaign, 2015.
+* *Composite chain*: a paper on waves in chains of steel spheres with a section of brass or PTFE.
+  Our scan of it begins with the abstract, and lacks the title, the authors, the journal and the
+  year.
+* *Square packing*: A. Leonard, F. Fraternali and C. Daraio, *Directional wave propagation in a
+  highly nonlinear square packing of spheres*, Exp. Mech., published online on 6 October 2011.
+* *Lateral constraints*: *Influence of lateral constraints on wave propagation in finite granular
+  crystals*, J. Appl. Mech., 2020, doi 10.1115/1.4047004. Our scan of it lacks the authors and the
+  pages.
+
+There are four kinds of rows:
+
+* A *source* is a value printed in the literature.
+* *Theory* is a value that follows from equations.
+* A *verification* tests the code only: a second solver, a check value, a formula, or a scaling of
+  any correct code. The second solvers are in `tests/helpers` and share no code with granwave.
+* Rows of *granwave only* have no reference. (Their kind is `alone` in `study_rows.csv`.)
+
+If a source states only a bound (the end of an axis, or *at most*), no difference is given."""
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
+_COUNTS = re.compile(r"(<!-- counts -->)(.*?)(<!-- /counts -->)", re.DOTALL)
+_CLOSE = 0.1  # largest relative deviation that counts as agreement
 _PICTURE_TEXT = "Relative difference of each value from its reference, by study and kind"
 _PICTURE_CAPTION = (
     "*Each point is a compared value. Filled symbols: granwave is larger than the reference; open "
@@ -111,7 +126,8 @@ def write_pages(stored: Mapping[str, Any]) -> None:
     results_values_picture.write_stale(stored, PAGES)
     results_coverage.write_page(stored)
     for page, table in tables_elsewhere(stored).items():
-        replace_text(page, with_block(page.read_text(encoding="utf-8"), table))
+        text = with_block(page.read_text(encoding="utf-8"), table)
+        replace_text(page, with_counts(text, counts_in_words(stored)))
 
 
 def is_stale(picture: Path, stored: Mapping[str, Any], labels: Mapping[str, str]) -> bool:
@@ -130,13 +146,38 @@ def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
     }
 
 
+def counts_in_words(stored: Mapping[str, Any]) -> str:
+    """Return sentences on the number of compared values of each kind, and on their agreement."""
+    sources, theory, verifications = (_deviations(stored, kind) for kind in results_picture.KINDS)
+    return (
+        f"Of {len(sources)} values printed in sources, {_close(sources)} agree within 10 %; of "
+        f"{len(theory)} values from theory, {_close(theory)} agree within 10 %. A further "
+        f"{len(verifications)} values test the code only."
+    )
+
+
+def _deviations(stored: Mapping[str, Any], kind: str) -> list[float]:
+    """Return the magnitude of the deviation of each compared value of a kind."""
+    return [abs(off) for _, _, of, off in results_picture.points(stored) if of == kind]
+
+
+def _close(deviations: Sequence[float]) -> str:
+    """Return the number of deviations within 10 %, with its percentage."""
+    number = sum(off <= _CLOSE for off in deviations)
+    return f"{number} ({100 * number / len(deviations):.0f} %)"
+
+
+def with_counts(text: str, sentences: str) -> str:
+    """Return a text whose sentences on the numbers of values are replaced, if it has any."""
+    return _COUNTS.sub(lambda found: f"{found[1]}{sentences}{found[3]}", text)
+
+
 def _of_paper(stored: Mapping[str, Any]) -> str:
     """Return the sentence on all rows and the table of the paper."""
-    shown = results_picture.points(stored)
     parts = []
     for kind, (name, _) in results_picture.KINDS.items():
-        offs = [abs(off) for _, _, of, off in shown if of == kind]
-        close = [sum(off <= limit for off in offs) for limit in (0.01, 0.1)]
+        offs = _deviations(stored, kind)
+        close = [sum(off <= limit for off in offs) for limit in (0.01, _CLOSE)]
         parts.append(
             f"of {len(offs)} values of kind *{name}*, {close[0]} agree within 1 % and {close[1]} within 10 %"
         )
@@ -144,11 +185,9 @@ def _of_paper(stored: Mapping[str, Any]) -> str:
     lines = ["| quantity | kind | other | granwave | difference |", "|---|---|---|---|---|"]
     for name, (row, *_) in chosen_rows(stored, IN_PAPER):
         against = row.theory if row.source is None else row.source
-        unit = f" {row.unit}" if row.unit else ""
-        values = significant(against, 5), significant(row.ours, min(row.digits, 5))
-        lines.append(
-            f"| {name} | {KINDS[row.kind]} | {values[0]}{unit} | {values[1]}{unit} | {difference(row)} |"
-        )
+        value = with_unit(significant(against, 5), row.unit)
+        ours = with_unit(significant(row.ours, min(row.digits, 5)), row.unit)
+        lines.append(f"| {name} | {KINDS[row.kind]} | {value} | {ours} | {difference(row)} |")
     return "\n".join([f"{text[:1].upper()}{text[1:]}.", "", *lines]) + "\n"
 
 
@@ -204,6 +243,8 @@ def _first_page(stored: Mapping[str, Any]) -> str:
 *Each point is one of {len(shown)} compared values: the relative difference between granwave and its reference, on a
 logarithmic axis. Full symbols: granwave is larger; open symbols: granwave is smaller. The grey area begins at 10 %. Points at an
 edge lie beyond the axis. Rows with only a bound or without a reference are left out. The letters are explained below.*
+
+{counts_in_words(stored)}
 
 ## Headline comparisons
 
@@ -263,11 +304,10 @@ def _far_rows(stored: Mapping[str, Any]) -> str:
 def _outside_rows(outside: Iterable[tuple[str, Row]]) -> str:
     lines = []
     for name, row in outside:
-        unit = f" {row.unit}" if row.unit else ""
         cells = [
             f"[{escaped(ratio_in_words(row.quantity))}](results/{name}.md)",
-            f"{significant(row.source, 5)}{unit}",
-            f"{significant(row.ours, row.digits)}{unit}",
+            with_unit(significant(row.source, 5), row.unit),
+            with_unit(significant(row.ours, row.digits), row.unit),
             excess(beyond(row)),
         ]
         lines.append(f"| {' | '.join(cells)} |\n")
@@ -317,7 +357,9 @@ def _suite_page(name: str, suite: Mapping[str, Any]) -> str:
     for study_name, study in suite["studies"].items():
         found = Study("", study["title"], "", tuple(flagged(row_of(row)) for row in study["rows"]))
         notes = [Note(text) for text in (study["text"], *study["verdict"]) if text]
-        tables = [Note(one) if isinstance(one, str) else read_table(one) for one in study["tables"]]
+        tables: list[Note | DocumentTable] = []
+        for one in study["tables"]:
+            tables += [Note(one)] if isinstance(one, str) else parts_of(read_table(one))
         parts = (*notes, *row_tables(found), *tables)
         if len(parts) > len(notes):
             sections.append(DocumentSection(study["title"], study_name, parts))

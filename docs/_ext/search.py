@@ -4,9 +4,9 @@ first results.
     python docs/_ext/search.py build/docs          # exit status 1, and a line for each word that does not
     python docs/_ext/search.py build/docs WORD     # the first results of a word
 
-The ranking is that of Sphinx's ``searchtools.js``, on the index that the browser reads: titles,
-entries of the index, Python objects, words of the text. A word that does not occur on the page gets
-an index entry at the passage with the answer.
+The ranking is that of Sphinx's ``searchtools.js`` with the weights in ``scorer.js``, on the index
+that the browser reads: titles, entries of the index, Python objects, words of the text. A word that
+does not occur on the page gets an index entry at the passage with the answer.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,6 +27,9 @@ _OBJECT = 11
 _PART_OF_OBJECT = 6
 _PRIORITY = {0: 15, 1: 5, 2: -5}
 _INDEX = 100  # of a whole entry
+SCORER = Path(__file__).with_name("scorer.js").read_text(encoding="utf-8")
+#: Weights of pages, by the beginning of their names.
+ROOMS: dict[str, int] = json.loads(re.search(r"rooms: (\{.*?\})", SCORER, re.DOTALL)[1])
 #: Words that people look for, and the page that answers, by name below ``docs`` without its suffix.
 WORDS = {
     "howto/struck-packings": ("impactor", "striker", "projectile", "oblique impact"),
@@ -64,11 +67,11 @@ WORDS = {
     "extensions/design/design": ("optimum", "optimisation", "optimization", "design"),
     "extensions/waves/bands": ("band gap", "dispersion", "phonon", "eigenmodes"),
     "extensions/inference/infer": ("force chains", "inverse problem"),
-    "howto/read-packings": ("LIGGGHTS", "LIGGGHTS dump", "YADE"),
-    "howto/python": ("notebook", "pandas", "jupyter"),
+    "howto/read-packings": ("LIGGGHTS", "LIGGGHTS dump", "YADE", "own packing file", "xyz"),
+    "howto/python": ("notebook", "pandas", "jupyter", "python", "own axes"),
     "howto/more-questions": ("units", "SI units", "ids of spheres", "error of the results"),
     "howto/cite": ("cite", "licence", "license", "BibTeX"),
-    "howto/own-lammps": ("MPI", "OpenMPI", "ranks", "number of cores", "own LAMMPS"),
+    "howto/own-lammps": ("MPI", "OpenMPI", "ranks", "np", "number of cores", "own LAMMPS"),
     "extensions/continuum/fit-a-law": ("measured force", "force-displacement"),
     "howto/balance": ("energy conservation",),
     "tutorials/cluster": ("cluster", "Slurm", "submit", "HPC", "scheduler"),
@@ -88,7 +91,7 @@ WORDS = {
     "reference/quantities": ("peak_force_N", "peak_reduction", "base_arrival_s"),
     "reference/materials": ("HCP", "BCC", "FCC", "stainless", "aluminium", "PTFE", "teflon"),
     "explanation/contact-law": (
-        "Hertz", "hysteresis", "plastic", "elastoplastic", "yield force", "F_y",
+        "contact law", "Hertz", "hysteresis", "plastic", "elastoplastic", "yield force", "F_y",
         "force at first yield",
     ),
     "explanation/timestep": ("timestep", "time step"),
@@ -99,8 +102,15 @@ WORDS = {
     "explanation/results": (
         "validation", "comparison with experiments", "compare with experiments",
     ),
-    "start": ("install", "pip", "tab completion"),
+    "start": ("install", "pip", "wheel", "tab completion"),
+    "reference/figures": ("figures",),
+    "reference/contributing": ("contributing", "new lattice", "new contact law"),
 }  # fmt: skip
+#: Passages that the first result of a word opens.
+PASSAGES = {
+    "zone_depth_90_m": "reference/quantities#zone-depth-90-m",
+    "load.velocity": "reference/keys#case-load-velocity",
+}
 
 
 class Result(NamedTuple):
@@ -148,8 +158,8 @@ def search(
     ]
     found = [*_titles(index, asked), *main, *objects, *_texts(index, list(stems))]
     ordered = [
-        *_ordered(found),
-        *_ordered(others),
+        *_ordered(map(_weighted, found)),
+        *_ordered(map(_weighted, others)),
     ]  # entries that are not marked as the main ones come last
     first: dict[object, Result] = {}
     for one in ordered:
@@ -157,7 +167,17 @@ def search(
     return list(first.values())
 
 
-def _ordered(found: list[Result]) -> list[Result]:
+def _weighted(result: Result) -> Result:
+    """Return a result whose score includes the weight of its page: of the longest beginning of its
+    name.
+    """
+    beginnings = [name for name in ROOMS if result.page.startswith(name)]
+    if not beginnings:
+        return result
+    return result._replace(score=result.score + ROOMS[max(beginnings, key=len)])
+
+
+def _ordered(found: Iterable[Result]) -> list[Result]:
     return sorted(found, key=lambda one: (-one.score, one.title.lower()))
 
 
@@ -235,8 +255,16 @@ def _texts(index: Index, stems: list[str]) -> Iterator[Result]:
 def missed(
     index: Index, stem: Callable[[str], str], stopwords: frozenset[str] | set[str]
 ) -> list[str]:
-    """Return a line for each word whose page is not among the first results."""
+    """Return a line for each word whose page is not among the first results, or whose first result
+    does not open its passage.
+    """
     found = []
+    for word, passage in PASSAGES.items():
+        opened = [f"{one.page}{one.anchor}" for one in search(index, word, stem, stopwords)[:1]]
+        if opened != [passage]:
+            found.append(
+                f"{word}: expected {passage} first, found {', '.join(opened) or 'nothing'}"
+            )
     for page, words in WORDS.items():
         for word in words:
             first = [one.page for one in search(index, word, stem, stopwords)[:FIRST]]
@@ -258,7 +286,7 @@ def main(site: str, *query: str) -> int:
             print(f"{one.score:4g}  {one.page}{one.anchor}  {one.title} {one.description}")
         return 0
     faults = missed(index, language.stem, language.stopwords)
-    number = sum(map(len, WORDS.values()))
+    number = sum(map(len, WORDS.values())) + len(PASSAGES)
     print("\n".join(faults) or f"{number} words find their pages")
     return 1 if faults else 0
 

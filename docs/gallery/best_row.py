@@ -38,5 +38,5 @@ order = ", ".join(
     "PTFE" if value == "ptfe" else "steel" for value in found.best["variables"].values()
 )
 print(
-    f"{order}: {found.best['objective']['target_peak_force_N']:.3g} N; the worst that was run: {force.max():.4g} N"
+    f"{order}: {found.best['objective']['target_peak_force_N']:.3g} N; largest force of all runs: {force.max():.4g} N"
 )

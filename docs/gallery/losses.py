@@ -25,7 +25,8 @@ for name, loss in LOSSES.items():
     }
     changes |= {"contact.loss": loss, "run.end_time": 6e-4}
     run = gw.run("elastic-impact", changes, directory="run", force=True)
-    print(f"{name:18s} lost: {100 * (run['viscous_fraction'] or 0):5.1f} %")
+    dissipated = 100 * (run["viscous_fraction"] or 0)
+    print(f"{name:23s} dissipated by damping: {dissipated:4.1f} %")
     peaks[name] = run.contacts["peak_force"][:22]
 
 with gw.style():

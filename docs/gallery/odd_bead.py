@@ -25,7 +25,7 @@ brass = transmitted("brass", 1)
 with gw.style():
     figure, axes = plt.subplots()
     axes.plot(places, energies, "o-", color="C0", markersize=3, label="aluminium among brass")
-    axes.axhline(brass, color="C5", linestyle="--", label="brass alone")
+    axes.axhline(brass, color="C5", linestyle="--", label="brass only")
     axes.set(
         xlabel="position of the aluminium bead, from the impacted end",
         ylabel="energy in the bar (J)",
@@ -34,6 +34,6 @@ with gw.style():
     figure.savefig("picture.png", dpi=150)
 
 by_energy = sorted(zip(energies, places, strict=True))
-print(f"most  {by_energy[-1][0]:.3f} J, at place {by_energy[-1][1]}")
-print(f"least {by_energy[0][0]:.3f} J, at place {by_energy[0][1]}")
-print(f"brass {brass:.3f} J")
+print(f"largest energy in the bar   {by_energy[-1][0]:.3f} J, at position {by_energy[-1][1]}")
+print(f"smallest energy in the bar  {by_energy[0][0]:.3f} J, at position {by_energy[0][1]}")
+print(f"brass beads only            {brass:.3f} J")

@@ -15,4 +15,4 @@ shutil.copy("run/figures/plastic_strain.png", "picture.png")
 shutil.copy("run/figures/energies.png", "energies.png")
 
 print(f"elements     {run['n_elements']}")
-print(f"dissipated   {run['dissipated_fraction']:.3f} of the energy put in")
+print(f"dissipated   {run['dissipated_fraction']:.3f} of the input energy")

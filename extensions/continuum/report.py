@@ -9,6 +9,7 @@ from granwave.analysis.document.model import show
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.kinds import ReportKind, ReportRun, Symbol
 from granwave.extensions.continuum.files import CONTINUUM
+from granwave.extensions.continuum.punch.resolution import doubts
 from granwave.extensions.continuum.runs import ContinuumRun, SphereContactRun, read_elements
 
 _OF_PUNCH = (
@@ -27,12 +28,15 @@ _NUMERICAL = {
     "damping": "damping",
 }
 _LOOKS = {
-    "plastic_strain": "The coloured region is the plastic zone.",
-    "plastic_zone": "The outline is the largest zone; the material outside it remained elastic.",
+    "plastic_strain": "The coloured region is the plastic zone. Of a small zone only the edge of "
+    "the punch is shown.",
+    "plastic_zone": "From the first yield to the end of yielding. The outline is the largest zone; "
+    "the material outside it remained elastic.",
     "plastic_zone_volume": "The wave has passed when the zone at one instant decreases after its "
     "peak.",
-    "punch": "When the velocity is constant, the punch has left the block.",
-    "von_mises": "Colours at the yield strength show the zone that yields at this instant.",
+    "punch": "During the contact: when the velocity is constant, the punch has left the block.",
+    "von_mises": "At the largest plastic zone, or at the largest stress if nothing yields. Colours "
+    "at the yield strength show the zone that yields at this instant.",
 }
 
 
@@ -70,6 +74,10 @@ class ElementKind(ReportKind):
     def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
         """Return the velocity of the punch as the velocity of an impact."""
         return {"load.velocity": case["punch.velocity"]} if "punch.velocity" in case else {}
+
+    def doubts(self, summary: Mapping[str, Any]) -> list[str]:
+        """Return warnings on large strains, an unresolved plastic zone and viscous losses."""
+        return doubts(summary)
 
     def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:
         """Return the unit of energies of a punch."""

@@ -165,8 +165,8 @@ class ElementRun(abc.ABC):
         """Data sets of ``result.h5``."""
 
     @abc.abstractmethod
-    def warning(self, summary: Mapping[str, Any]) -> str:
-        """Warning of doubtful results; empty if there are none."""
+    def warnings(self, summary: Mapping[str, Any]) -> list[str]:
+        """Warnings of doubtful results."""
 
     @abc.abstractmethod
     def refusal(self) -> tuple[str, str]:
@@ -266,7 +266,7 @@ def run_elements(
                 results / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n"
             )
             results.note_files(name for name in kind.RESULTS if name != CASE_FILE)
-    if words := run.warning(summary):
+    for words in run.warnings(summary):
         logger.warning("%s: %s", label, words)
     if figures:
         draw_figures(kind, results)

@@ -51,6 +51,7 @@ TEXT = (
     "forms, and with the positions of the ridges in the space-time transform of the velocities of "
     "each run. Wave numbers and speeds refer to positions before the load."
 )
+NEEDS = "chains or lattices under a static load, with a weak impact along the load"
 _SHARES = (0.3, 0.5, 0.7)  # fractions of the zone at which ridges are read
 _SMALL = 0.1  # amplitude over omega alpha0 up to which contacts stay linear
 _LAYERS = 12  # layers of a repeated piece: a multiple of 2 and of 3

@@ -78,6 +78,8 @@ _MEMORY_OF_GRAIN = 1000.0
 _OF_SITES = ("diameter_scatter", "vacancies")
 
 
+_CHAIN = "chain"
+_ADDED = "with added grains"  # end of the source of such a packing
 _TOUCHING = "touching"
 _ALL_GAPS = "all"
 _RADIUS = schema.or_word(_TOUCHING, schema.NumberType(above=0, unit="m"), finish=lambda _: None)
@@ -373,7 +375,14 @@ def with_added_grains(
 def _lattice_in_words(packing: PackingSection) -> str:
     """Return kind and size of a lattice to which grains are added."""
     size = " \N{MULTIPLICATION SIGN} ".join(map(str, packing.size))
-    return f"{packing.kind} {size} with added grains"
+    return f"{packing.kind} {size} {_ADDED}"
+
+
+def has_added_to_chain(source: str) -> bool:
+    """Return True for the source of a packing, ``packing.source``, that is a chain with added
+    grains.
+    """
+    return source.startswith(f"{_CHAIN} ") and source.endswith(_ADDED)
 
 
 def _check_added(packing: PackingSection, added: Sequence[AddedGrains], errors: ErrorList) -> None:

@@ -181,7 +181,7 @@ def _select(
     if isinstance(name, str) and name in known:
         return known[name]
     there = f" in {file}" if file else ""
-    hint = schema.did_you_mean(name, known, cutoff=0.5)
+    hint = schema.did_you_mean(name, known, cutoff=0.7)
     errors.add(key, Mismatch(show(name), f"one of {', '.join(known)}{there}{hint}"))
     return None
 

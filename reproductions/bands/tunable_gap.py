@@ -124,7 +124,7 @@ def rows(runs):
                 "highest edge off it."
             )
         yield gw.Row(
-            f"Lowest edge of the gap, at least: {name}",
+            f"Lower edge of the gap (source: at least this value): {name}",
             "rad/s",
             BOTTOM,
             lowest,
@@ -134,7 +134,7 @@ def rows(runs):
             bound=True,
         )
         yield gw.Row(
-            f"Highest edge of the gap, at most: {name}",
+            f"Upper edge of the gap (source: at most this value): {name}",
             "rad/s",
             highest,
             gap[..., 1].max(),

@@ -19,8 +19,8 @@ import granwave as gw
 WIDE = 40  # grains in a row: the sides do not affect the middle line
 SOFT = "That program kept the tangential stiffness at P = 0.01 E* R; here it follows the contact."
 SIZES = {
-    f"crystals of {WIDE} or more grains per row": "Contacts in BCC carry smaller forces, which "
-    "makes line contacts softer.",
+    f"crystals of {WIDE} or more grains per row": "Contacts in the centred-square crystal (BCC "
+    "in the source) carry smaller forces, which makes line contacts softer.",
     "crystals of the reference size": "In BCC the sides slow the front on the middle line below a "
     "depth of W/2; in HCP they hardly do.",
 }
@@ -62,16 +62,17 @@ def rows(runs):
     case = walls["BCC"].case
     fig9 = f"{SOURCE}, Fig. 9"
     stuck = 2 * (1 - case.material.poisson_ratio) / (2 - case.material.poisson_ratio)
+    sliding = long_waves(stuck, case.contact.friction)
     theory = (
-        "Theory: long waves, with sliding contacts in both crystals. With sticking contacts "
-        "the ratio would be"
+        f"In theory the ratio for long waves is {sliding:.3f} with sliding contacts in both "
+        f"crystals, {long_waves(stuck, math.inf):.3f} with sticking contacts, and 2/3 without "
+        "friction."
     )
-    theory += f" {long_waves(stuck, math.inf):.3f}, without friction it would be 2/3."
     # fmt: off
     for (size, remark), both in zip(SIZES.items(), (wide, walls), strict=True):
         yield gw.Row(f"Front speed of BCC / HCP, {size}", "", 1.0,
                      both["BCC"].down.front_speed / both["HCP"].down.front_speed, fig9, digits=3,
-                     theory=long_waves(stuck, case.contact.friction), remark=f"{remark} {theory}")
+                     theory=sliding, remark=f"{remark} {theory}")
     for name in motions:
         remark = ("The time is measured from the start of the impact; the time origin of the "
                   "camera in the source is not known.")

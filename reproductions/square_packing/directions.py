@@ -33,7 +33,7 @@ def rows(runs):
                 found.append(
                     gw.Row(
                         f"{what} along contacts: {label}", "%", ours=100 * spread.along, theory=100 * spread.even,
-                        where="ours alone",
+                        where="no reference",
                     )
                 )  # fmt: skip
     return sorted(found, key=lambda row: row.quantity)

@@ -139,7 +139,10 @@ def rows(samples):
                 ("peak acceleration", "%", one.excess.deviation),
             )
             for (name, unit, ours), (_, theirs) in zip(scatters, TWINS[one.twins], strict=True):
-                remark = f"The source has {theirs:g} {unit} from an unknown cause. {one.remark}"
+                remark = (
+                    f"The source reports a scatter of {theirs:g} {unit}, most likely of imperfect "
+                    f"impacts, which it does not measure. {one.remark}"
+                )
                 quantity = f"Scatter of the {name}, {one.twins}: {one.setting}"
                 yield gw.Row(quantity, unit, ours=ours, remark=remark, **PATH)
     for twins, source, _ in by_twins(samples):
@@ -171,7 +174,8 @@ def verdict(samples):
         found = "; ".join(f"{one.setting}: {short(one.ratio)}" for one in own)
         yield (
             f"{twins.partition(' (')[0]}: the source has scatters of {delay:g} µs and {excess:g} "
-            f"%, or {short(delay / excess)} µs per per cent. Our values are: {found}."
+            f"%, or {short(delay / excess)} µs for each per cent of amplitude scatter. Our "
+            f"values are: {found}."
         )
 
 

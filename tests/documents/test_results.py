@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -30,6 +31,7 @@ PICTURE = extension("results_picture")
 for part in ("quantities", "panels", "axes", "values_picture"):
     extension(f"results_{part}")
 extension("results_coverage")
+WIDE = extension("results_wide")
 TABLE = extension("results_table")
 RESULTS = extension("results")
 STORED = STORE.read_stored()
@@ -78,6 +80,9 @@ def test_pages_are_made_of_the_stored_rows():
     for page, table in TABLE.tables_elsewhere(STORED).items():
         text = page.read_text(encoding="utf-8")
         assert TABLE.with_block(text, table) == text, f"{page.name}: {AGAIN}"
+        counts = TABLE.counts_in_words(STORED)
+        assert TABLE.with_counts(text, counts) == text, f"{page.name}: {AGAIN}"
+        assert (counts in text) == (page != TABLE.PAPER)
 
 
 def test_the_picture_is_of_the_stored_rows():
@@ -108,6 +113,21 @@ def test_remarks_are_notes_below_a_table():
     assert "| remark |" not in table and "\n¹ " in table and " ¹ |" in table
     page = TABLE.pages_of(STORED)[TABLE.PAGES / "fcc-impact.md"]
     assert page.count(":::{dropdown}") == 1 and "](fcc-impact.webp)" in page
+
+
+def test_wide_tables_are_printed_in_parts():
+    """Each part begins with the columns that tell the rows apart, and no column is lost."""
+    columns = [[heading, "", True] for heading in "abcdefghijklmn"]
+    rows = [[*pair, *"cdefghijklmn"] for pair in itertools.product("12", "345")]
+    table = STORE.read_table({"caption": "wide", "columns": columns, "rows": rows})
+    assert WIDE.number_of_keys(table) == 2
+    parts = list(WIDE.parts_of(table))
+    for part, headings in zip(parts, ("abcdefgh", "abijklmn"), strict=True):
+        assert "".join(column.heading for column in part.columns) == headings
+    assert [part.caption for part in parts] == ["wide (1 of 2)", "wide (2 of 2)"]
+    assert all(len(part.rows) == len(rows) for part in parts)
+    narrow = table.keeping(range(WIDE.MOST))
+    assert list(WIDE.parts_of(narrow)) == [narrow]
 
 
 def test_what_is_far_off_is_named():

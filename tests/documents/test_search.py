@@ -74,5 +74,30 @@ def test_words_have_pages():
 
 def test_what_is_missed_is_named(monkeypatch):
     monkeypatch.setattr(SEARCH, "WORDS", {"armour": ("drop test",), "dents": ("plate",)})
-    (line,) = SEARCH.missed(INDEX, str, frozenset())
+    monkeypatch.setattr(SEARCH, "PASSAGES", {"drop test": "armour#index-0", "plate": "dents#row"})
+    passage, line = SEARCH.missed(INDEX, str, frozenset())
+    assert passage == "plate: expected dents#row first, found armour"
     assert line == "plate: expected dents among the first 3 results, found armour"
+
+
+def test_the_room_of_a_page_orders_equal_results():
+    """The changelog and rows of results come last, though their titles come first."""
+    pages = ("reference/changelog", "explanation/results/bands", "reference/keys", "howto/scans")
+    index = INDEX | {
+        "docnames": pages,
+        "titles": list("abcd"),
+        "alltitles": {},
+        "indexentries": {},
+        "objects": {},
+        "terms": {"lattice": [0, 1, 2, 3]},
+        "titleterms": {},
+    }
+    results = SEARCH.search(index, "lattice", str, frozenset())
+    assert [one.page for one in results] == list(reversed(pages))
+
+
+def test_the_scorer_of_the_browser_has_the_weights_of_the_check():
+    """`docs/_ext/scorer.js` replaces Sphinx's weights, and must have all of them."""
+    for name in ("objNameMatch: 11", "objPartialMatch: 6", "title: 15", "partialTitle: 7",
+                 "term: 5", "partialTerm: 2", "objPrio: { 0: 15, 1: 5, 2: -5 }"):  # fmt: skip
+        assert f"  {name}" in SEARCH.SCORER, name

@@ -150,6 +150,57 @@ def test_the_menu_has_the_headings_of_groups():
         assert context["furo_navigation_tree"] == f"<ul>{heading}{entry}</ul>"
 
 
+def test_pictures_are_links_and_names_break_at_separators():
+    pytest.importorskip("sphinx", reason="make docs installs it")
+    elements = extension("page_elements")
+    picture = '<img alt="a" src="../_images/a.webp" />'
+    linked = f'<a class="picture" href="../_images/a.webp">{picture}</a>'
+    assert elements.with_linked_pictures(f"<p>{picture}</p>") == f"<p>{linked}</p>"
+    assert elements.with_linked_pictures(linked) == linked
+    other_site = '<img src="https://a/b.png">'
+    assert elements.with_linked_pictures(other_site) == other_site
+    code = '<code><span class="pre">area_slope</span></code> area_slope'
+    assert elements.with_breaks(code) == code.replace("area_slope", "area_<wbr>slope", 1)
+
+
+def formulas(text: str) -> list[str]:
+    """Return the formulas of a text in Markdown."""
+    markdown = pytest.importorskip("markdown_it", reason="make docs installs it").MarkdownIt()
+    markdown.enable("table")
+    markdown.use(pytest.importorskip("mdit_py_plugins.dollarmath").dollarmath_plugin)
+    tokens = markdown.parse(text)
+    for token in tuple(tokens):
+        tokens += token.children or ()
+    return [token.content for token in tokens if token.type.startswith("math")]
+
+
+def test_formulas_of_pages_become_mathml_without_rests_of_tex():
+    pytest.importorskip("latex2mathml", reason="make docs installs it")
+    mathml_of = extension("mathml").mathml_of
+    texts = {name_of(page): page.read_text(encoding="utf-8") for page in pages()}
+    for path in sorted((ROOT / "plugins" / "doc").glob("*.md")):
+        texts[path.name] = path.read_text(encoding="utf-8")
+    for script in STUDIES.scripts():
+        texts[script.name] = STUDIES.parts_of(script)[1]
+    read = {name: formulas(text) for name, text in texts.items()}
+    assert sum(map(len, read.values())) > 200
+    for name, page_formulas in read.items():
+        for formula in page_formulas:
+            assert mathml_of(formula, "block").startswith("<math"), name
+
+
+@pytest.mark.parametrize("formula, rest", [
+    (r"\begin{aligned} F &= 1 \\ G &= 2 \end{aligned}", "&"),
+    (r"a & b", "&"),
+    (r"\nosuchcommand x", r"\\nosuchcommand"),
+])  # fmt: skip
+def test_a_formula_that_would_show_tex_stops_the_build(formula, rest):
+    pytest.importorskip("latex2mathml", reason="make docs installs it")
+    errors = pytest.importorskip("sphinx.errors")
+    with pytest.raises(errors.ExtensionError, match=f"would be shown with .*{rest}"):
+        extension("mathml").mathml_of(formula, "block")
+
+
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 IN_EVERY_TEST = "own-material-and-fields"
 LONGEST = 60.0  # s, on a machine that does other things too; alone they take less than 10

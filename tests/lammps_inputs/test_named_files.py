@@ -21,6 +21,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli.main import main
+from granwave.workflows.library import SCANS, find
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.directory import check_points
 from granwave.workflows.scanning.suite import load_suite
@@ -240,6 +241,13 @@ def test_scans_and_cases_of_a_suite(places: tuple[Path, Path]) -> None:
         "scans: scan.toml: neither a file nor a built-in scan",
         "cases: my.toml: neither a file nor a built-in case",
     ]
+
+
+def test_a_scan_of_the_repository_is_missing_without_it(places: tuple[Path, Path]) -> None:
+    _, here = places
+    name = "reproductions/bands/suite.toml"
+    with pytest.raises(InputError, match=f"{name}: not found.*only in a checkout"):
+        find(name, SCANS, here)
 
 
 # ---------------------------------------------------------------------- opened before anything is run

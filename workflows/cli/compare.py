@@ -64,11 +64,14 @@ def _values(comparison: Comparison) -> str:
 
 def _number(value: ComparedValue, place: int) -> str:
     """Return a value of the run at a position, with a mark if the end of the run truncates it."""
+    from granwave.analysis.formatting.numbers import interval
     from granwave.analysis.reports.comparison.values import MARK
 
     number = value.values[place]
     if number is None:
         return ""
+    if error := value.error_at(place):
+        return interval(number, error)
     return f"{number:.5g}{MARK if place in value.marked_places else ''}"
 
 

@@ -143,7 +143,8 @@ def write(options: argparse.Namespace) -> int:
     schedule = deck.schedule
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
     if schedule.adaptive:
-        steps = f"steps of {schedule.first_timestep:.3g} s and more, to {schedule.end_time:.4g} s"
+        first = f"initial timestep {schedule.first_timestep:.3g} s"
+        steps = f"{first}, end time {schedule.end_time:.4g} s"
     print(f"{options.directory}: {assembly.n_spheres} {assembly.grains_called}, {steps}")
     print(f"run it by hand:  cd {options.directory} && lmp -in {deck.script.name}")
     return 0

@@ -23,7 +23,7 @@ from granwave.analysis.document.model import (
     text_table,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
-from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.formatting.numbers import interval, quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures.registry import FIGURES
@@ -121,12 +121,23 @@ def _units(values: Sequence[ComparedValue]) -> dict[str, tuple[str, float]]:
 def _value_row(value: ComparedValue, unit: str, size: float) -> tuple[Cell, ...]:
     """Return label, unit, values and ratio, in a unit of a size."""
     cells = [
-        marked(cell_in_unit(number, size), is_marked=place in value.marked_places)
-        for place, number in enumerate(value.values)
+        marked(_value_cell(value, place, size), is_marked=place in value.marked_places)
+        for place in range(len(value.values))
     ]
     if len(cells) > 1:
         cells.append(_ratio(value))
     return (Cell(value.label, value.label), Cell(unit), *cells)
+
+
+def _value_cell(value: ComparedValue, place: int, size: float) -> Cell:
+    """Return the cell of a value of a run in a unit of a size, with a large uncertainty."""
+    number = value.values[place]
+    error = value.error_at(place)
+    if number is None or error is None:
+        return cell_in_unit(number, size)
+    return dataclasses.replace(
+        cell_in_unit(number, size), text=interval(number / size, error / size)
+    )
 
 
 def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> DocumentTable:

@@ -9,8 +9,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.target_record import Reached
+from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
-from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
+from granwave.analysis.reports.comparison.curves import (
+    bottom_record,
+    can_reach_bottom,
+    static_force_at_bottom,
+)
 from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input, inputs_in_words
 from granwave.analysis.reports.comparison.subjects import ComparedRun
@@ -71,7 +76,9 @@ def limit_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> lis
     if _concerns(names, _OF_BOTTOM):
         notes.append(" ".join(_limited_forces(runs, is_ranked=True)))
     if _concerns(names, _OF_ZONE):
-        notes.append(" ".join([*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]))
+        parts = [*_cut_zones(runs), *_unresolved_zones(runs)]
+        parts += _growing_zones(runs, is_ranked=True)
+        notes.append(" ".join(parts))
     return [note for note in notes if note]
 
 
@@ -158,6 +165,17 @@ def _cut_zones(runs: Sequence[ComparedRun]) -> list[str]:
     ]
 
 
+def _unresolved_zones(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return a sentence on plastic zones of too few parts; nothing if there are none."""
+    names = [run.name for run in runs if is_unresolved(run.run.summary)]
+    if not names:
+        return []
+    return [
+        f"The plastic zone of {named(names, _MOST_LISTED)} is not resolved, so that its size and "
+        "the dissipated energy have no ratio."
+    ]
+
+
 def _growing_zones(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]:
     """Return a sentence on plastic zones that the end of a run limits; nothing if there are none.
 
@@ -190,7 +208,8 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
         if record is None:
             continue
         if not record.is_reached:
-            unloaded.append(run)
+            if can_reach_bottom(run):
+                unloaded.append(run)
         elif record.rises_at_end:
             rising.append(run)
         elif record.awaits_momentum:

@@ -12,6 +12,7 @@ import numpy as np
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import Reached
+from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
@@ -70,6 +71,9 @@ _OF_SIZE = (
     "plastic_zone_*", "zone_depth_*", "zone_radius_*", "zone_volume_*", "n_plastic_*",
     "n_dissipating_*",
 )  # fmt: skip
+
+#: Plastic dissipation, which is uncertain if the zone is.
+_OF_DISSIPATION = ("dissipated_fraction", "energy_dissipated_J")
 
 
 class Course(Protocol):
@@ -237,6 +241,15 @@ def limited_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]
     if not any(mark_of(run.run.summary) is Mark.CUT for run in runs):
         return set()
     return {name for name in names if _matches(name, _OF_SIZE)}
+
+
+def unresolved_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the sizes of plastic zones, and the energies dissipated in them, if the mesh of a run
+    does not resolve its zone.
+    """
+    if not any(is_unresolved(run.run.summary) for run in runs):
+        return set()
+    return {name for name in names if _matches(name, (*_OF_SIZE, *_OF_DISSIPATION))}
 
 
 def is_zone_size(name: str) -> bool:

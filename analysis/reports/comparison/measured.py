@@ -52,6 +52,8 @@ _OPPOSITE = "opposite sign"
 _FEWER_POINTS = "fewer points than other runs"
 _BEFORE_PEAK = "ends before the measured peak"
 _STILL_RISES = "still rises at its end"
+_UNLIKE = "rms difference above the measured peak"
+_RESEMBLES = 1.0  # rms difference / measured peak up to which a run resembles the curve
 _TIMES = 10.0  # ratio above which a difference is given as a factor
 _MOST_LISTED = 4  # runs that a sentence lists
 
@@ -201,9 +203,24 @@ def read_measured(
         raise InputError(f"{source}: found {len(x)} row, expected at least {_LEAST_POINTS}")
     if not y.any():
         raise InputError(f"{source}: found only zeros for {names[1]}, expected measured values")
+    if units[0] == "s":
+        _check_order(x, names[0], source)
     order = np.argsort(x, kind="stable")
     return MeasuredCurve(
         source, names, x[order] + shift, scale * y[order], shift, scale, has_peak=has_peak
+    )
+
+
+def _check_order(times: Array, column: str, source: str) -> None:
+    """Raise InputError for times that fall: rows in disorder, or another column than of times."""
+    falls = np.flatnonzero(np.diff(times) < 0)
+    if not falls.size:
+        return
+    row = int(falls[0])
+    raise InputError(
+        f"{source}: column {column}: found {quantity_in(times[row + 1], 's')} after "
+        f"{quantity_in(times[row], 's')} (values {row + 1} and {row + 2}), expected rising times; "
+        "sort the rows by time, or check which column holds the times"
     )
 
 
@@ -283,7 +300,8 @@ def ranked(deviations: Mapping[str, Deviation]) -> list[str]:
 
     Their differences are means over the same points, at least three: those of the run with the
     most points. A run is not ranked if it does not cover the measured peak, if it ends with its
-    largest value, or if the measured curve has the opposite sign or a doubtful unit.
+    largest value, if its rms difference exceeds the measured peak, or if the measured curve has the
+    opposite sign or a doubtful unit.
     """
     reasons = unranked_reasons(deviations)
     return [name for name in deviations if name not in reasons]
@@ -321,6 +339,8 @@ def _unranked_reason(difference: Deviation, most: int) -> str:
         return _BEFORE_PEAK
     if difference.rises_at_end:
         return _STILL_RISES
+    if difference.relative_rms > _RESEMBLES:
+        return _UNLIKE
     return ""
 
 
@@ -348,6 +368,8 @@ def closest_sentence(
         (name,) = deviations
         return _sentence_on_one_run(measured, name, deviations[name], units)
     names = ranked(deviations)
+    if set(unranked_reasons(deviations).values()) == {_UNLIKE} and not names:
+        return _sentence_on_unlike_runs(measured, deviations, units)
     if not names:
         return f"No run is ranked by its difference from {measured.source}: {_reasons(deviations)}."
     least = min(deviations[name].rms for name in names)
@@ -365,6 +387,20 @@ def closest_sentence(
     return f"Closest to {measured.source} is {name}, with a difference of {rms}{peaks}."
 
 
+def _sentence_on_unlike_runs(
+    measured: MeasuredCurve, deviations: Mapping[str, Deviation], units: tuple[str, str]
+) -> str:
+    """Return a sentence on runs of which none resembles a measured curve, with the smallest
+    difference.
+    """
+    name = min(deviations, key=lambda each: deviations[each].rms)
+    rms = _rms_in_words(measured, deviations[name], units)
+    peaks = _peaks_in_words(measured, deviations[name], units)
+    return (
+        f"No run resembles {measured.source}: the smallest difference, of {name}, is {rms}{peaks}."
+    )
+
+
 def _sentence_on_one_run(
     measured: MeasuredCurve, name: str, difference: Deviation, units: tuple[str, str]
 ) -> str:
@@ -379,6 +415,8 @@ def _sentence_on_one_run(
         return f"{name} is not compared with {measured.source}: {_FEW_COMMON}."
     rms = _rms_in_words(measured, difference, units)
     peaks = _peaks_in_words(measured, difference, units)
+    if difference.relative_rms > _RESEMBLES:
+        return f"{name} does not resemble {measured.source}: the difference is {rms}{peaks}."
     return f"{name} differs from {measured.source} by {rms}{peaks}."
 
 
@@ -434,8 +472,9 @@ def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation])
     parts = [
         f"{name} ({deviations[name].n_points} of {len(measured.x)} points)"
         for name, reason in reasons.items()
-        if reason != _STILL_RISES
+        if reason not in (_STILL_RISES, _UNLIKE)
     ]
+    unlike = [name for name, reason in reasons.items() if reason == _UNLIKE]
     rising = [name for name, reason in reasons.items() if reason == _STILL_RISES]
     if parts:
         notes.append(
@@ -446,6 +485,11 @@ def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation])
         notes.append(
             f"Not ranked by their difference from {measured.source}, since their largest value is "
             f"at their end: {named(rising, _MOST_LISTED)}."
+        )
+    if unlike:
+        notes.append(
+            f"Not ranked by their difference from {measured.source}, since its root mean square "
+            f"exceeds the measured peak: {named(unlike, _MOST_LISTED)}."
         )
     if measured.is_reversed:
         remedy = (

@@ -9,6 +9,7 @@ from functools import partial
 
 from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
+from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.reports.comparison.curves import (
     has_peak_at_bottom,
@@ -184,7 +185,8 @@ def _has_complete_zone(run: ComparedRun) -> bool:
     summary = run.run.summary
     is_collision = run.run.number(_SPHERES) in _COLLISION
     growing = summary.get(GROWING) or ()
-    return not is_collision and mark_of(summary) is not Mark.CUT and "depth" not in growing
+    is_whole = mark_of(summary) is not Mark.CUT and "depth" not in growing
+    return not is_collision and is_whole and not is_unresolved(summary)
 
 
 def _ordered(

@@ -8,8 +8,14 @@ from dataclasses import dataclass, replace
 
 from granwave.analysis.document.model import Cell, label_of, named, unit_of_value
 from granwave.analysis.errors import did_you_mean
-from granwave.analysis.formatting.numbers import number, plain, quantity_in
+from granwave.analysis.formatting.numbers import (
+    interval_in_any_unit,
+    number,
+    plain,
+    quantity_in,
+)
 from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.measures.zone_resolution import error_of, percent_with_error
 from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
@@ -20,9 +26,11 @@ from granwave.analysis.reports.comparison.ends import (
     is_zone_size,
     limited_names,
     truncated_runs,
+    unresolved_names,
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import (
+    MOST_SIDE_BY_SIDE,
     ComparedRun,
     names_in_words,
     names_with_cases,
@@ -37,7 +45,7 @@ _NO_OUTCOME = (
     "n_contacts", "end_time_s", "wall_time_s", "contacts_beyond_law", "zone_cut",
     "sides_periodic", "wave_return_share",
     "packing_mass_kg", "packing_height_m", "unprotected_peak_force_N",
-    "unprotected_ground_peak_force_N",
+    "unprotected_ground_peak_force_N", "dissipated_fraction_error", "artificial_viscosity_fraction",
 )  # fmt: skip
 #: Values that kinds of runs do not share, or define in another way.
 _OF_ONE_KIND = (
@@ -73,6 +81,8 @@ TRUNCATED = "truncated"
 STILL_GROWING = "still growing"
 NOT_COMPARED = "Not compared, since they depend on the end time of a run"
 LIMITED = "limited"
+#: The same for a value of a plastic zone that the mesh of a run does not resolve.
+NOT_RESOLVED = "not resolved"
 #: The same for a value that kinds of runs define differently.
 DIFFERENT_MEANING = "defined differently"
 MARK = "*"  # after a value that the end of its run truncates
@@ -118,6 +128,11 @@ class ComparedValue:
         depends on the input.
     differs_in_meaning
         True for a value that the kinds of these runs define differently, so that it has no ratio.
+    is_unresolved
+        True for a value of plastic zones of which the mesh of a run does not resolve at least one,
+        so that it has no ratio.
+    errors
+        Large uncertainties, by run; None where there is none: (n_runs,), or empty.
     """
 
     name: str
@@ -130,6 +145,8 @@ class ComparedValue:
     is_of_input: bool = False
     differs_in_meaning: bool = False
     incomplete: frozenset[int] = frozenset()
+    is_unresolved: bool = False
+    errors: tuple[float | None, ...] = ()
 
     @property
     def places_left_out(self) -> frozenset[int]:
@@ -188,9 +205,16 @@ class ComparedValue:
 
     @property
     def without_ratio(self) -> str:
-        """Words in place of the ratio of a value that is truncated, still grows or is limited, or
-        that runs define differently; empty otherwise.
+        """Words in place of the ratio of a value that is truncated, still grows, is limited or not
+        resolved, or that runs define differently; empty otherwise.
         """
+        if self.is_unresolved and not self.differs_in_meaning:
+            return NOT_RESOLVED
+        return self._without_ratio_if_resolved
+
+    @property
+    def _without_ratio_if_resolved(self) -> str:
+        """The same words of a value whose uncertainty is disregarded."""
         if self.differs_in_meaning:
             return DIFFERENT_MEANING
         if self.is_truncated and not self.is_growing:
@@ -201,17 +225,24 @@ class ComparedValue:
 
     @property
     def is_complete(self) -> bool:
-        """True for a value that every run has and defines in the same way, and that neither the end
-        of a run nor a boundary limits.
+        """True for a value that every run has and defines in the same way, that neither the end of
+        a run nor a boundary limits, and that is resolved or has a known uncertainty.
         """
-        return not self.without_ratio and not self.incomplete and None not in self.values
+        return self._is_known and not self.incomplete and None not in self.values
 
     @property
     def has_complete_runs(self) -> bool:
-        """True for a value that the runs have whose end does not truncate it, and that neither
-        grows nor is limited.
+        """True for a value that the runs have whose end does not truncate it, that neither grows
+        nor is limited, and that is resolved or has a known uncertainty.
         """
-        return not self.without_ratio and None not in self.compared
+        return self._is_known and None not in self.compared
+
+    @property
+    def _is_known(self) -> bool:
+        """True for a value that has a ratio, or has none only since it is uncertain."""
+        if self.is_unresolved and not any(self.errors):
+            return False
+        return not self._without_ratio_if_resolved
 
     @property
     def is_main(self) -> bool:
@@ -228,6 +259,20 @@ class ComparedValue:
         return is_fraction and min(sizes, default=0.0) == 0 and max(sizes) < _NO_FRACTION
 
     @property
+    def is_within_errors(self) -> bool:
+        """True if the values agree within their uncertainties."""
+        if not any(self.errors):
+            return False
+        known = [
+            (value, error or 0.0)
+            for value, error in zip(self.values, self.errors, strict=True)
+            if value is not None
+        ]
+        lowest = min(value + error for value, error in known)
+        highest = max(value - error for value, error in known)
+        return highest <= lowest
+
+    @property
     def spread(self) -> float:
         """Logarithm of largest over smallest magnitude; infinite for zero next to a number."""
         numbers = self.compared_numbers
@@ -239,13 +284,24 @@ class ComparedValue:
         return math.log(max(sizes) / min(sizes))
 
     def text(self, value: float) -> str:
-        """Return a value in words: ``1.2 kN``, ``34 %``."""
+        """Return a value in words: ``1.2 kN``, ``34 %``, with its uncertainty ``0.32 ± 0.23 %``."""
+        error = self.error_at(self.values.index(value)) if value in self.values else None
+        if error and self.name.endswith(_FRACTION):
+            return percent_with_error(value, error)
+        if error:
+            return interval_in_any_unit(value, error, self.unit)
         if self.name.endswith(_FRACTION):
             return share(value)
         prefixed = self.unit.isalpha() and self.unit != "kg"
         return quantity_in(value, self.unit if prefixed else "") + (
             f" {self.unit}" if self.unit and not prefixed else ""
         )
+
+    def error_at(self, place: int) -> float | None:
+        """Return the uncertainty of the value of the run at a position; None if it is small or
+        unknown.
+        """
+        return self.errors[place] if self.errors else None
 
 
 def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> list[ComparedValue]:
@@ -276,6 +332,7 @@ def _limited_values(names: Sequence[str], runs: Sequence[ComparedRun]) -> list[C
     """Return values with the limits by the ends of runs and by boundaries."""
     truncated = truncated_runs(names, runs)
     limited = limited_names(names, runs)
+    unresolved = unresolved_names(names, runs)
     growing_by_run = {run: growing_names(names, [run]) for run in runs}
     values: list[ComparedValue] = []
     for name in names:
@@ -290,6 +347,7 @@ def _limited_values(names: Sequence[str], runs: Sequence[ComparedRun]) -> list[C
             is_truncated=is_truncated or is_growing,
             is_limited=name in limited,
             is_growing=is_growing,
+            is_unresolved=name in unresolved,
             incomplete=frozenset(n for n, run in enumerate(runs) if run in cut),
         )
         values.append(value)
@@ -316,7 +374,7 @@ def shown_values(
     values: Sequence[ComparedValue], most: int, *, asked: bool
 ) -> Sequence[ComparedValue]:
     """Return the values that a table shows: the requested values, or the first results without
-    values at the arbitrary end of a run.
+    values at the arbitrary end of a run; of many runs only values that differ.
 
     Parameters
     ----------
@@ -327,7 +385,10 @@ def shown_values(
     """
     if asked:
         return values
-    return [value for value in values if value.name not in AT_THE_END][:most]
+    shown = [value for value in values if value.name not in AT_THE_END]
+    if any(len(value.values) > MOST_SIDE_BY_SIDE for value in shown):
+        shown = differing_values(shown)
+    return shown[:most]
 
 
 def unknown_values(
@@ -349,8 +410,8 @@ def unknown_values(
 
 
 def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
-    """Return the values that differ by more than rounding."""
-    return [value for value in values if value.spread > _SAME]
+    """Return the values that differ by more than rounding and their uncertainties."""
+    return [value for value in values if value.spread > _SAME and not value.is_within_errors]
 
 
 def sentence(
@@ -437,6 +498,8 @@ def _without_difference(
         reasons.append("packings and blocks define it differently")
     if any(value.is_limited for value in values):
         reasons.append("a boundary limits the plastic zone")
+    if any(value.is_unresolved for value in values):
+        reasons.append("the plastic zone of a run is not resolved")
     if reasons and not compared:
         which = "requested value" if asked else "result"
         state = "complete" if is_alike else "comparable"
@@ -448,6 +511,22 @@ def _without_difference(
     has_truncated = any(value.is_truncated or value.incomplete for value in values)
     result = f"result {_COMPLETE}" if has_truncated else "result"
     return f"No {result} differs between {names}."
+
+
+def equal_in_figures(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> str:
+    """Return the sentence on runs of which only figures were requested, and whose values of these
+    figures are equal; empty if a value differs, or is not complete in all runs.
+
+    Parameters
+    ----------
+    values
+        Values that describe the figures.
+    """
+    if differing_values(values) or not all(value.is_complete for value in values):
+        return ""
+    names = names_in_words([run.name for run in runs])
+    labels = "; ".join(_in_sentence(value.label) for value in values)
+    return f"Equal in {names}: {labels}. The curves and fits of the requested figures may differ."
 
 
 def truncation_note(values: Sequence[ComparedValue]) -> str:
@@ -548,6 +627,7 @@ def _value(
     is_truncated: bool = False,
     is_limited: bool = False,
     is_growing: bool = False,
+    is_unresolved: bool = False,
     incomplete: frozenset[int] = frozenset(),
 ) -> ComparedValue:
     numbers = [_number(name, run) for run in runs]
@@ -572,6 +652,8 @@ def _value(
         is_of_input=is_of_input,
         differs_in_meaning=name in unlike_names(runs),
         incomplete=incomplete,
+        is_unresolved=is_unresolved,
+        errors=tuple(error_of(name, run.run.summary) for run in runs),
     )
 
 

@@ -16,6 +16,7 @@ from granwave.analysis.studies.protection.runs import TargetRun, impacts, names,
 from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture
 
+NEEDS = "the same packing and impact on at least two different bottoms"
 _MOST = 12  # largest number of curves in a figure
 _STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))
 _MICRO = 1e6

@@ -19,6 +19,7 @@ TEXT = (
     "wall, a plate after a short impulse, a plate on a spring so stiff that it follows the "
     "force, and the energy that an impedance absorbs if the force is nearly unchanged."
 )
+NEEDS = 'impacts of a single sphere with `contact.law = "hertz"` on a target'
 _MICRO = 1e6
 _MILLI = 1e3
 _SHORT = 20.0  # period of a plate / contact time above which an impact is short

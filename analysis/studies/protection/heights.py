@@ -28,6 +28,7 @@ from granwave.analysis.studies.study import Picture, span
 
 AllSeries = Sequence[Sequence[TargetRun]]
 
+NEEDS = f"packings of at least {FEWEST_HEIGHTS} heights under the same impact on the same bottom"
 _COLOURS = ("black", ORANGE, BLUE, GREEN, PURPLE, SKY, GREY)  # one for each bottom
 _LINES = ("-", "--", ":", "-.")  # one for each friction
 _MARKERS = "os^Dv"  # one for each friction

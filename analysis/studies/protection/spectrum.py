@@ -27,6 +27,10 @@ TEXT = (
     "point is below the line."
 )
 _FEWEST = 4  # smallest number of stiffnesses
+NEEDS = (
+    "the same packing and impact on plates of equal mass on springs with at least "
+    f"{_FEWEST} stiffnesses"
+)
 _MICRO = 1e6
 _CURVE = 60  # points of the theoretical curve
 _BELOW = 0.05  # relative deviation below the theory above which a remark is printed

@@ -12,3 +12,7 @@ from granwave.analysis.studies.tolerance.runs import select
 from granwave.analysis.studies.tolerance.sentences import TEXT, missing, name, title, verdict
 
 __all__ = ["TEXT", "missing", "name", "pictures", "select", "tables", "title", "verdict"]
+
+NEEDS = (
+    "packings that differ only in diameter scatter, vacancies or friction, in at least two settings"
+)

@@ -180,7 +180,7 @@ def fit_law(
         other = _with_zero(curve, materials, radii, free, fit_yield=fit_yield)
         if other is not None and _worst(other) < _BETTER * _worst(fit):
             _LOG.warning(
-                "%s: the rms error of the fit is %.3g %% in its worst part; %s",
+                "%s: the rms error in the worst range is %.3g %%; %s",
                 curve.source,
                 _worst(fit),
                 _zero_said(other),
@@ -279,8 +279,8 @@ def _zero_said(fit: Fit) -> str:
     zero = fit.zero * _MICRO
     spread = fit.uncertainty[ZERO] * _MICRO
     return (
-        f"with the zero of the overlap at {zero:.4g} +- {spread:.2g} um its error is "
-        f"{_worst(fit):.3g} %: also fit the zero (--fit-zero)"
+        f"with a zero of {zero:.4g} +- {spread:.2g} um it would be {_worst(fit):.3g} %: "
+        "also fit the zero (--fit-zero)"
     )
 
 

@@ -25,6 +25,7 @@ from granwave.analysis.measures.impact import (
     quadratic_law,
     spheres_involved,
 )
+from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.extensions.continuum.runs import ContinuumRun
@@ -344,6 +345,7 @@ def _continuum(run: ContinuumRun) -> dict[str, Any]:
         "dissipated_fraction": run.value("dissipated_fraction"), "mass_kg": punch["mass"], "taper": punch["taper"],
         "volume_over_sphere_volume": run.value("plastic_zone_volume_m3") / volume,
         "volume_ever_over_sphere_volume": run.value("plastic_zone_volume_ever_m3") / volume, "solid_fraction": 1.0,
+        "resolved": not is_unresolved(run.summary),
         "fine": not isinstance(mesh["edge_size"], str), "substance": tuple(constants.values()),
         "shape": (punch["diameter"], punch["mass"], punch["taper"], block, mesh["elements"], mesh["edge_size"]),
         "but_for_mass": (punch["diameter"], punch["taper"], *rest),

@@ -22,10 +22,12 @@ from granwave.analysis.document.model import (
     spread_cell,
 )
 from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.zone_resolution import FRACTION, error_of, is_unresolved
 from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
 from granwave.extensions.continuum.packing_and_block.impacts import (
+    Curves,
     Impacts,
     QuadraticLaw,
     area_table,
@@ -52,8 +54,15 @@ _REFERENCE_ONLY = (
     "reference; excluded, because the packing, material, diameter, support or number of impacted "
     "spheres differs"
 )
+_UNRESOLVED_REMARK = (
+    "Plastic zones of a few elements are not resolved: {}. Their size, and the dissipation per "
+    "mass and volume, would be those of the elements, and are omitted. Use more run.elements, or "
+    "a smaller run.edge_size."
+)
+_OF_VOLUME = 4  # values of a run that follow from the volume of its zone
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
 _HOW_MANY = {1: "The run", 2: "Both runs"}  # by number of runs, in a sentence
+_FEWEST_ON_CURVE = 3  # smallest number of impacts on a curve of a figure of similarity
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
 _OTHERS_LISTED = 24  # largest number of impacts with other materials, diameters or loading areas
@@ -143,8 +152,9 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     if len(grains) and len(blocks):
         yield _picture("dissipated_fraction", figures.dissipated_fraction, impacts)
         shown = _dissipating(grains, _GRANULAR_SHOWN)
-        if len(shown):
-            yield _picture("plastic_volume", figures.plastic_volume, shown, blocks)
+        resolved = blocks[blocks.resolved]
+        if len(shown) and len(resolved):
+            yield _picture("plastic_volume", figures.plastic_volume, shown, resolved)
     yield from zone.pictures(impacts)
     if len(grains):
         yield from _pictures_of_packings(impacts)
@@ -156,7 +166,7 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 def _pictures_of_packings(impacts: Impacts) -> Iterator[Picture]:
     """Dissipation of packings whose material, velocity or loading area was varied."""
     curves = variants(impacts)
-    if len(curves) > 1:
+    if _show_scaling(curves):
         yield _picture("granular_scaling", figures.scaling, curves, figures.GRANULAR_ENERGY, "log")
     fit = quadratic_fit(impacts)
     if fit:
@@ -169,13 +179,19 @@ def _pictures_of_packings(impacts: Impacts) -> Iterator[Picture]:
 def _pictures_of_blocks(impacts: Impacts) -> Iterator[Picture]:
     """Dissipation of blocks whose material or punch was varied."""
     curves = materials(impacts)
-    if len(curves) > 1:
+    if _show_scaling(curves):
         yield _picture(
             "continuum_scaling", figures.scaling, curves, figures.CONTINUUM_ENERGY, "linear"
         )
     curves = masses(impacts)
     if len(curves) > 1:
         yield _picture("continuum_mass", figures.by_mass, curves)
+
+
+def _show_scaling(curves: Curves) -> bool:
+    """Return True for several curves, of which the reference has enough points to be one."""
+    reference = next(iter(curves.values()), ())
+    return len(curves) > 1 and len(reference) >= _FEWEST_ON_CURVE
 
 
 def _picture(name: str, draw: Callable[..., Drawing], *arguments: Any) -> Picture:
@@ -203,6 +219,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
             rows,
             sortable=True,
         )
+    yield from _resolution(impacts.continuum)
     yield from zone.tables(impacts)
     if len(impacts.reference):
         yield from _of_packings(impacts)
@@ -213,6 +230,16 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         yield Note(f"{_REFERENCE_ONLY}: {names}.")
     if len(impacts.continuum):
         yield from _of_blocks(impacts)
+
+
+def _resolution(blocks: DataFrame) -> Iterator[Note]:
+    """Name the blocks whose plastic zone the mesh does not resolve."""
+    if not len(blocks):
+        return
+    unresolved = blocks[~blocks.resolved]
+    if len(unresolved):
+        labels = named(unresolved["label"].tolist())
+        yield Note(_UNRESOLVED_REMARK.format(labels), "note")
 
 
 def _dissipating(reference: DataFrame, most: int) -> DataFrame:
@@ -233,6 +260,10 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
     elements = involved(run)
     if elements is None:
         return None
+    what = Cell(zone.what_of(run.what, run.packing, run.material))
+    if is_unresolved(run.run.summary):
+        lost = spread_cell(run.dissipated_fraction, error_of(FRACTION, run.run.summary))
+        return run.label, what, run.energy_J, lost, *[Cell(zone.UNRESOLVED)] * _OF_VOLUME
     fraction, volume = elements.part(SHARE)
     energy = fraction * run.energy_J
     mass = volume * run.density
@@ -245,7 +276,7 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
         energy / mass,
         1e-6 * (energy / bulk),
     )
-    return run.label, Cell(zone.what_of(run.what, run.packing, run.material)), *values
+    return run.label, what, *values
 
 
 def _rows_per_mass(runs: DataFrame) -> Iterator[tuple[Any, ...]]:

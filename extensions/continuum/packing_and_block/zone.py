@@ -30,6 +30,7 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
+from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.scans.drawing import draw_marks, marked_marker, marks_of
@@ -42,6 +43,7 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     rising,
 )
 
+UNRESOLVED = "not resolved"
 _ROUNDING = 1e-9  # relative difference of equal sizes
 _MARKERS = "os^"  # markers of the fractions
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
@@ -89,7 +91,7 @@ def zones(impacts: Impacts) -> dict[str, DataFrame]:
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Sizes of the zone against energy, of packings and of blocks."""
-    sides = zones(impacts)
+    sides = {what: _resolved(side) for what, side in zones(impacts).items()}
     every = concat(sides.values())
     sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
     if sizes and len(sides["packing"]) and len(every) > 1:
@@ -102,6 +104,11 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
             f"{markers}: the zone reaches a boundary"
         )
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
+
+
+def _resolved(zones: DataFrame) -> DataFrame:
+    """Return the zones whose sizes are not those of single elements."""
+    return zones[zones["is_resolved"]] if len(zones) else zones
 
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
@@ -249,8 +256,12 @@ def _sizes(what: str, runs: DataFrame) -> DataFrame:
             outermost = run["run"].value(f"plastic_zone_{name}_m")
             sizes[f"outermost_{name}"] = outermost / diameter
             sizes[f"outermost_{name}_open_ended"] = int(end in cut or name in growing)
+        is_resolved = not is_unresolved(summary)
+        if not is_resolved:
+            sizes = {name: 0 if name.endswith("open_ended") else math.nan for name in sizes}
         over = run["energy_J"] / energy_unit(DataFrame([run]).iloc[0])
-        rows.append(run | sizes | {"side": what, "energy": over, "mark": int(mark_of(summary))})
+        more = {"energy": over, "mark": int(mark_of(summary)), "is_resolved": is_resolved}
+        rows.append(run | sizes | {"side": what} | more)
     return DataFrame(rows)
 
 
@@ -268,6 +279,9 @@ def _row(zone: dict[str, Any]) -> Iterator[Cell]:
         for column in (*(f"{name}_{share}" for share in SHARES), f"outermost_{name}"):
             if column in zone:
                 value = zone[column]
+                if not zone["is_resolved"]:
+                    yield Cell(UNRESOLVED)
+                    continue
                 before = "≥ " if zone.get(f"{column}_open_ended") else ""
                 text = before + show(float(f"{value:.4g}"))
                 yield value_cell(None) if math.isnan(value) else Cell(text, value, tone)

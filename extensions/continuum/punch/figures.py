@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -34,6 +34,7 @@ from granwave.analysis.figures.style import (
     SKY,
     Drawing,
 )
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import BOTTOM, SIDES
 from granwave.extensions.continuum.punch.solver import AT_YIELD
 from granwave.extensions.continuum.runner import ElementResult
@@ -42,7 +43,13 @@ _MICRO = 1e6
 _MILLI = 1e3
 _MEGA = 1e-6
 _SHOWN = 1.5  # smallest depth, and width, of a section in punch diameters
+_SMALL = 0.1  # fraction of this depth below which only the plastic zone is shown
+_AROUND = 3.0  # half width, and depth, of this part in sizes of the zone
+_ABOVE = 0.075  # height of the punch over the width of the part
 _PANELS = 6
+_IN_ROW = 3  # panels side by side
+_NEARLY_ALL = 0.99  # fraction of the plastic dissipation at the last panel
+_AFTER_CONTACT = 1.5  # time shown, over the duration of the contact
 _LINES = {  # lines of the energies
     "punch": ("-", GREY), "kinetic": ("-.", BLUE), "elastic": ("--", GREEN),
     "plastic": ((0, (8, 2)), ORANGE), "viscous": ((0, (1, 1)), PURPLE),
@@ -121,69 +128,163 @@ def plastic_zone_size(result: ContinuumResult) -> Drawing | None:
 
 
 def punch(result: ContinuumResult) -> Drawing:
-    """Draw the force on the punch and its velocity."""
+    """Draw the force on the punch and its velocity during the contact; the data are of the whole
+    run.
+    """
     time, force, velocity = (result[f"punch/{name}"] for name in ("time", "force", "velocity"))
     figure, upper, lower = panels(3.0, rows=2, sharex=True)
-    against_time(upper, time, force / 1e3, color=BLUE)
+    shown = time <= _AFTER_CONTACT * _end_of_contact(time, force)
+    against_time(upper, time[shown], force[shown] / 1e3, color=BLUE)
     label(upper, y="Force (kN)")
     lower.axhline(0, color="black", linewidth=0.5)
-    against_time(lower, time, velocity, color=ORANGE)
+    against_time(lower, time[shown], velocity[shown], color=ORANGE)
     label(lower, y="Velocity (m/s)")
+    if not shown.all():
+        upper.set_title(f"contact; the run ends at {quantity_in(float(time[-1]), 's')}")
     columns = {"time_s": time, "force_N": force, "velocity_m_s": velocity}
     return Drawing(figure, columns | {"displacement_m": result["punch/displacement"]})
 
 
+def _end_of_contact(time: NDArray, force: NDArray) -> float:
+    """Return the time from which on the punch does not touch, s; the end of the run if it does."""
+    loaded = np.flatnonzero(force > 0)
+    if not len(loaded):
+        return float(time[-1])
+    return float(time[min(int(loaded[-1]) + 1, len(time) - 1)])
+
+
 def von_mises(result: ContinuumResult) -> Drawing:
-    """Draw the von Mises stress in a section, at the snapshot nearest to the time of the largest
-    plastic zone.
+    """Draw the von Mises stress in a section, at the instant of the largest plastic zone, or of the
+    largest stress if nothing yields.
     """
-    largest = result["plastic_zone/time"][result["plastic_zone/volume"].argmax()]
-    frame = int(np.abs(result["fields/time"] - largest).argmin())
+    times = result["fields/time"]
+    volume = result["plastic_zone/volume"]
+    if volume.any():
+        largest = result["plastic_zone/time"][volume.argmax()]
+        frame = int(np.abs(times - largest).argmin())
+        instant = "largest plastic zone"
+    else:
+        frame = int(result["fields/von_mises"].max(axis=1).argmax())
+        instant = "largest stress"
     stress = result["fields/von_mises"][frame]
     scale = Normalize(0, result.tables["material"]["yield_strength"] * _MEGA)
     figure, axes = _section_with_bar(
-        result, stress * _MEGA, FORCE_MAP, scale, "Von Mises stress (MPa)"
+        result, _whole(result), stress * _MEGA, FORCE_MAP, scale, "Von Mises stress (MPa)"
     )
-    axes.set_title(f"{result['fields/time'][frame] * _MICRO:.1f} µs")
+    axes.set_title(f"{times[frame] * _MICRO:.3g} µs, {instant}")
     return Drawing(figure, result.centres | {"von_mises_Pa": stress})
 
 
-def plastic_zone(result: ContinuumResult) -> Drawing:
-    """Draw the elements at yield, now and earlier, at several times of the growth of the zone."""
+def plastic_zone(result: ContinuumResult) -> Drawing | None:
+    """Draw the elements at yield, now and earlier, at several times of the growth of the zone and
+    after it; None if nothing yields.
+    """
     times = result["fields/time"]
     stresses = result["fields/von_mises"]
     at_yield = stresses >= AT_YIELD * result.tables["material"]["yield_strength"]
-    active = np.flatnonzero(at_yield.any(axis=1))
-    last = int(active[-1]) if len(active) else len(times) - 1
-    frames = np.unique(np.linspace(min(1, last), last, _PANELS).round().astype(int))
-    figure, *grid = panels(3.0, 3, 2, width=5.2, sharex=True, sharey=True)
+    frames = _frames_of_growth(result, at_yield)
+    if not len(frames):
+        return None
+    window = _zone_window(result)
+    ever = result["fields/ever_yielded"] > 0
+    rows = math.ceil(len(frames) / _IN_ROW)
+    figure, *grid = panels(0.3 + 1.35 * rows, _IN_ROW, rows, width=5.2, sharex=True, sharey=True)
     columns = result.centres
     for axes, frame in zip(grid, frames, strict=False):
-        state = np.where(at_yield[frame], 2, np.where(at_yield[: frame + 1].any(axis=0), 1, 0))
-        _section(axes, result, state, _YIELDED_MAP, Normalize(0, 2))
-        axes.set_title(f"{times[frame] * _MICRO:.1f} µs")
+        is_last = frame == frames[-1]
+        earlier = ever if is_last else at_yield[: frame + 1].any(axis=0)
+        state = np.where(at_yield[frame], 2, np.where(earlier, 1, 0))
+        _section(axes, result, window, state, _YIELDED_MAP, Normalize(0, 2))
+        until = " to the end" if is_last else ""
+        axes.set_title(f"{times[frame] * _MICRO:.3g} µs{until}")
         columns[f"state_{times[frame] * _MICRO:.2f}us"] = state
     for n, axes in enumerate(grid):
         axes.set_visible(n < len(frames))
         axes.label_outer()
+        if n + _IN_ROW >= len(frames):
+            axes.tick_params(labelbottom=True)
+            axes.set_xlabel("r (mm)")
     for colour, name in ((ORANGE, "at yield"), (SKY, "yielded earlier"), (BLANK, "elastic")):
         grid[0].plot([], [], "s", color=colour, markersize=5, label=name)
     legend_outside(figure, 3)
     return Drawing(figure, columns)
 
 
-def plastic_strain(result: ContinuumResult) -> Drawing:
-    """Draw the final equivalent plastic strain in a section."""
+def _frames_of_growth(result: ContinuumResult, at_yield: NDArray) -> NDArray[np.int64]:
+    """Return snapshots from the first yield to the instant at which nearly all plastic dissipation
+    has taken place, at nearly equal intervals, one of them at the largest zone; and the next one
+    without elements at yield.
+    """
+    active = np.flatnonzero(at_yield.any(axis=1))
+    if not len(active):
+        return active
+    times = result["fields/time"]
+    plastic = result["energy/plastic"]
+    grown = int((plastic >= _NEARLY_ALL * plastic[-1]).argmax())
+    end = max(float(result["energy/time"][grown]), float(times[active[0]]))
+    last = min(int(np.searchsorted(times, end)), len(times) - 1)
+    wanted = np.linspace(times[active[0]], times[last], _PANELS - 1)
+    frames = [int(np.abs(times - instant).argmin()) for instant in wanted]
+    largest = result["plastic_zone/time"][result["plastic_zone/volume"].argmax()]
+    nearest = int(np.abs(times - largest).argmin())
+    if active[0] <= nearest <= last:
+        frames[int(np.abs(wanted - largest).argmin())] = nearest
+    at_rest = np.flatnonzero(~at_yield[last:].any(axis=1))
+    after = last + int(at_rest[0]) if len(at_rest) else len(times) - 1
+    return np.unique([*frames, after])
+
+
+def plastic_strain(result: ContinuumResult) -> Drawing | None:
+    """Draw the final equivalent plastic strain in a section; None if nothing yielded."""
     strain = result["fields/plastic_strain"]
-    largest = float(np.quantile(strain[strain > 0], 0.99)) if np.any(strain > 0) else 1.0
+    if not strain.any():
+        return None
+    largest = float(np.quantile(strain[strain > 0], 0.99))
     scale = Normalize(0, 100 * largest)
     label = "Equivalent plastic strain (%)"
-    figure, _ = _section_with_bar(result, 100 * strain, "inferno", scale, label, extend="max")
+    figure, _ = _section_with_bar(
+        result, _zone_window(result), 100 * strain, "inferno", scale, label, extend="max"
+    )
     return Drawing(figure, result.centres | {"plastic_strain": strain})
+
+
+class _Window(NamedTuple):
+    """Part of a section: radii and depth, m; negative radii are on the other side of the axis."""
+
+    inner: float
+    outer: float
+    depth: float
+
+
+def _whole(result: ContinuumResult) -> _Window:
+    """Return the part below the punch with the plastic zone, on both sides of the axis."""
+    diameter = result.tables["punch"]["diameter"]
+    zone = max(result.summary["plastic_zone_depth_m"], result.summary["plastic_zone_radius_m"])
+    reach = max(_SHOWN * diameter / 2, 1.3 * zone)
+    return _Window(-reach, reach, reach)
+
+
+def _zone_window(result: ContinuumResult) -> _Window:
+    """Return the part with the plastic zone: if it is small, only the part at the edge of the
+    punch.
+    """
+    whole = _whole(result)
+    ever = result.grid(result["fields/ever_yielded"]).astype(bool)
+    columns = np.flatnonzero(ever.any(axis=0))
+    if not len(columns):
+        return whole
+    inner = float(result.r[columns[0]])
+    outer = float(result.r[columns[-1] + 1])
+    size = max(result.summary["plastic_zone_depth_m"], outer - inner)
+    if size > _SMALL * whole.depth:
+        return whole
+    middle = (inner + outer) / 2
+    return _Window(max(middle - _AROUND * size, 0.0), middle + _AROUND * size, _AROUND * size)
 
 
 def _section_with_bar(
     result: ContinuumResult,
+    window: _Window,
     values: NDArray,
     colours: str,
     scale: Normalize,
@@ -191,29 +292,34 @@ def _section_with_bar(
     **options: Any,
 ) -> tuple[Figure, Axes]:
     figure, axes = one_panel(2.1, "", "")
-    _section(axes, result, values, colours, scale)
+    _section(axes, result, window, values, colours, scale)
     figure.colorbar(ScalarMappable(scale, colours), ax=axes, label=label, shrink=0.8, **options)
     return figure, axes
 
 
 def _section(
-    axes: Axes, result: ContinuumResult, values: NDArray, colours: str | ListedColormap, scale
+    axes: Axes,
+    result: ContinuumResult,
+    window: _Window,
+    values: NDArray,
+    colours: str | ListedColormap,
+    scale: Normalize,
 ) -> None:
-    """Draw a section, mirrored at the axis, below the punch, cropped to the plastic zone."""
+    """Draw a part of a section, mirrored at the axis, below the punch."""
     diameter = result.tables["punch"]["diameter"]
-    zone = max(result.summary["plastic_zone_depth_m"], result.summary["plastic_zone_radius_m"])
-    reach = max(_SHOWN * diameter / 2, 1.3 * zone)
-    columns, rows = (int(np.searchsorted(line, reach)) + 1 for line in (result.r, result.z))
+    columns = int(np.searchsorted(result.r, window.outer)) + 1
+    rows = int(np.searchsorted(result.z, window.depth)) + 1
     r = result.r[:columns] * _MILLI
     z = result.z[:rows] * _MILLI
     part = result.grid(values)[: len(z) - 1, : len(r) - 1]
     for side in (-1, 1):
         axes.pcolormesh(side * r, z, part, cmap=colours, norm=scale, rasterized=True)
     half = diameter / 2 * _MILLI
-    axes.fill_between([-half, half], 0, -0.15 * reach * _MILLI, color=GREY, linewidth=0)
+    top = -_ABOVE * (window.outer - window.inner) * _MILLI
+    axes.fill_between([-half, half], 0, top, color=GREY, linewidth=0)
     axes.set(
-        xlim=(-reach * _MILLI, reach * _MILLI),
-        ylim=(reach * _MILLI, -0.15 * reach * _MILLI),
+        xlim=(window.inner * _MILLI, window.outer * _MILLI),
+        ylim=(window.depth * _MILLI, top),
         aspect="equal",
     )
     axes.set(xlabel="r (mm)", ylabel="Depth (mm)")

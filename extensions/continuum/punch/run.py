@@ -7,7 +7,8 @@
     /plastic_zone/{time, volume, volume_ever}
     /fields/{time, von_mises, plastic_strain, plastic_energy, ever_yielded, displacement}
 
-``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are final values. The root has
+``von_mises`` is (n_frames, n_elements) at ``time``, at equal intervals and more densely while the
+punch touches the block or elements yield; the other fields are final values. The root has
 the attributes ``kind``, ``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON); every data
 set has a ``unit``.
 """
@@ -20,12 +21,18 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granwave.analysis.measures.zone_size import BOTTOM, SIDES, wave_returns, zone_sizes
 from granwave.extensions.continuum.material import PLASTIC, STRAIN, Elastoplastic
 from granwave.extensions.continuum.punch.case import ContinuumCase
 from granwave.extensions.continuum.punch.mesh import mesh_of, punch_gap
+from granwave.extensions.continuum.punch.resolution import (
+    VISCOUS,
+    doubts,
+    resolution,
+    zone_elements,
+)
+from granwave.extensions.continuum.punch.snapshots import Snapshot, StressSnapshots
 from granwave.extensions.continuum.punch.solver import PunchSolver
 from granwave.extensions.continuum.runner import (
     SUMMARY_NAMES,
@@ -38,10 +45,8 @@ SAMPLED = 2e-7  # s, longest time between two rows of the ledger
 # a settled run adds less than QUIET of the input to dissipation in a WINDOW, s
 WINDOW = 1e-5
 QUIET = 1e-4
-MOST_FRAMES = 64  # snapshots; if there are more, every second one is dropped
 TOLERANCE = 0.02  # largest accepted error of the energy balance / input
 _RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported value
-LARGE_STRAIN = 0.1
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
 _IN_SUMMARY = ("kinetic", "elastic", "plastic", "punch", "hourglass", "viscous", "contact")
 
@@ -51,8 +56,8 @@ class BlockRun(ElementRun):
 
     Attributes
     ----------
-    frame_times, von_mises
-        Times (s) and von Mises stresses ((n_z, n_r), Pa) of the snapshots.
+    snapshots
+        Von Mises stresses at instants of the run.
     balance_error
         Largest error of the energy balance so far / input.
     """
@@ -75,8 +80,7 @@ class BlockRun(ElementRun):
             punch_velocity=punch.velocity,
             timestep=None if isinstance(run.timestep, str) else run.timestep,
         )
-        self.frame_times: list[float] = []
-        self.von_mises: list[NDArray[np.float32]] = []
+        self.snapshots = StressSnapshots(run.frame_interval)
         self.balance_error = 0.0
         self.total = None if isinstance(run.end_time, str) else round(1e6 * run.end_time, 2)
 
@@ -86,17 +90,9 @@ class BlockRun(ElementRun):
         steps = solver.every(SAMPLED)
         automatic = isinstance(run.end_time, str)
         back = math.ceil(WINDOW / (steps * solver.timestep))
-        interval = run.frame_interval
-        due = 0.0
         while True:
-            if solver.time >= due:
-                if len(self.frame_times) >= MOST_FRAMES:
-                    del self.frame_times[1::2], self.von_mises[1::2]
-                    interval *= 2
-                self._snapshot()
-                due = (math.floor(solver.time / interval) + 1) * interval
             left = math.ceil((run.longest - solver.time) / solver.timestep - 1e-9)
-            self.add(min(steps, max(left, 0)))
+            self._add_with_snapshot(min(steps, max(left, 0)))
             report()
             if not self.balance_error <= TOLERANCE:
                 self.end_reason = "refused"
@@ -108,8 +104,29 @@ class BlockRun(ElementRun):
                 continue
             if left > 0:  # the solver has advanced since the last instant
                 self.add(0)
-            self._snapshot()
+            self.snapshots.end(self._snapshot())
             return
+
+    def _add_with_snapshot(self, n_steps: int) -> None:
+        """Do as `add`, and keep a snapshot if it is due, or within the event."""
+        is_event = self._is_event
+        is_due = self.snapshots.is_due(self.solver.time)
+        snapshot = self._snapshot() if is_event or is_due else None
+        self.add(n_steps)
+        if snapshot is None:
+            return
+        if is_due:
+            self.snapshots.add(snapshot)
+        if is_event:
+            self.snapshots.add_to_event(snapshot, self.rows[-1]["plastic_volume"])
+
+    @property
+    def _is_event(self) -> bool:
+        """True while the punch touches the block or elements are at yield."""
+        if not self.rows:
+            return True
+        last = self.rows[-1]
+        return self.solver.touches > last["touches"] or last["plastic_volume"] > 0
 
     def add(self, n_steps: int) -> None:
         """Add the present instant to the history, and advance by some steps."""
@@ -127,9 +144,9 @@ class BlockRun(ElementRun):
         left = 0 < now["touches"] == then["touches"]
         return left and now["plastic"] - then["plastic"] < QUIET * self.case.punch.energy
 
-    def _snapshot(self) -> None:
-        self.frame_times.append(self.solver.time)
-        self.von_mises.append(self.solver.von_mises.astype(np.float32))
+    def _snapshot(self) -> Snapshot:
+        """Return the present stresses."""
+        return Snapshot(self.solver.time, self.solver.von_mises.astype(np.float32))
 
     def progress(self) -> tuple[float, str]:
         """Time done, us."""
@@ -155,6 +172,8 @@ class BlockRun(ElementRun):
             "energy_input_J": energy_input,
             **{f"energy_{SUMMARY_NAMES.get(name, name)}_J": last[name] for name in _IN_SUMMARY},
             "dissipated_fraction": last["plastic"] / energy_input,
+            **self._resolution(),
+            VISCOUS: last["viscous"] / energy_input,
             "energy_balance_error": self.balance_error,
             "energy_balance_accepted": TOLERANCE,
             "energy_input_normalised": energy_input / self.case.energy_unit,
@@ -170,6 +189,15 @@ class BlockRun(ElementRun):
             "punch_peak_displacement_m": float(self.column("punch_displacement").max()),
             "impactor_velocity_m_s": last["punch_velocity"],
         }
+
+    def _resolution(self) -> dict[str, Any]:
+        """Return the resolution of the plastic zone, and the uncertainty of its energy."""
+        solver = self.solver
+        volume = solver.operators.volume
+        work = solver.state[:, :, PLASTIC] * volume
+        fraction = self.rows[-1]["plastic"] / self.case.punch.energy
+        count = zone_elements(work.ravel(), volume.ravel())
+        return resolution(fraction, count, self.balance_error)
 
     def zone_summary(self) -> dict[str, Any]:
         """Return the size of the plastic zone, the boundaries that it reaches, and whether waves
@@ -216,6 +244,8 @@ class BlockRun(ElementRun):
         column = self.column
         state = self.solver.state
         time = column("time")
+        snapshots = self.snapshots.in_order
+        frames = [snapshot.stress.ravel() for snapshot in snapshots]
         return {
             "nodes": (solver.mesh.nodes, "m"),
             "elements": (solver.mesh.elements.astype(np.int32), "1"),
@@ -230,8 +260,8 @@ class BlockRun(ElementRun):
             "plastic_zone/time": (time, "s"),
             "plastic_zone/volume": (column("plastic_volume"), "m3"),
             "plastic_zone/volume_ever": (column("plastic_volume_ever"), "m3"),
-            "fields/time": (self.frame_times, "s"),
-            "fields/von_mises": (np.stack(self.von_mises).reshape(len(self.frame_times), -1), "Pa"),
+            "fields/time": ([snapshot.time for snapshot in snapshots], "s"),
+            "fields/von_mises": (np.stack(frames), "Pa"),
             "fields/plastic_strain": (state[:, :, STRAIN].ravel(), "1"),
             "fields/plastic_energy": (state[:, :, PLASTIC].ravel(), "J m-3"),
             "fields/ever_yielded": (solver.ever.ravel().astype(np.uint8), "1"),
@@ -241,15 +271,8 @@ class BlockRun(ElementRun):
             ),
         }
 
-    def warning(self, summary: Mapping[str, Any]) -> str:
-        if summary["plastic_zone_strain"] <= LARGE_STRAIN:
-            return ""
-        return (
-            "strains are not small: 1 % of the plastic zone exceeds "
-            f"{summary['plastic_zone_strain']:.2f}, the largest is "
-            f"{summary['largest_strain']:.2f}; expected below {LARGE_STRAIN:g}. The solution "
-            "assumes small strains: use a lower punch.velocity or punch.mass"
-        )
+    def warnings(self, summary: Mapping[str, Any]) -> list[str]:
+        return doubts(summary)
 
     def refusal(self) -> tuple[str, str]:
         return (

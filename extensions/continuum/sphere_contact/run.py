@@ -331,13 +331,13 @@ class ContactRun(ElementRun):
             write_csv(contact_table(self.case, self.history), scratch)
         super().write(directory, summary)
 
-    def warning(self, summary: Mapping[str, Any]) -> str:
+    def warnings(self, summary: Mapping[str, Any]) -> list[str]:
         if (summary["kinetic_share_max"] or 0.0) <= _MOST_KINETIC:
-            return ""
-        return (
+            return []
+        return [
             f"not quasi-static: the kinetic energy reaches {summary['kinetic_share_max']:.2g} of "
             f"the internal energy, expected at most {_MOST_KINETIC:g}; use a smaller run.speed"
-        )
+        ]
 
     def refusal(self) -> tuple[str, str]:
         last = self.rows[-1]

@@ -31,6 +31,7 @@ TEXT = (
     "so that single values have steps."
 )
 _SPOTS = (3.0, 10.0)  # alpha_y: where the law deviates most, and where its plateau begins
+NEEDS = f"contacts of two finite-element spheres, pressed beyond {_SPOTS[-1]:g} alpha_y"
 _SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 
 

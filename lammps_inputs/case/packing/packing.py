@@ -29,6 +29,7 @@ from granwave.lammps_inputs.case.packing.grain_file import (
     FILE_FIELDS,
 )
 from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.made_packing import packing_makers
 from granwave.lammps_inputs.case.packing.springs import SpringsType
 from granwave.lammps_inputs.case.packing.values import (
     CELL,
@@ -57,18 +58,24 @@ _OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, SPRINGS, RELAXATION)
 _OF_GRAINS = ("kind", "diameter", "source", "grains", "period", "cell", "enclosure", *_OF_CONTACTS)
 
 
+def kinds_of_packings() -> tuple[str, ...]:
+    """Return all values of ``packing.kind``, with the kinds that are made before the run."""
+    return (*kind_names(), *packing_makers())
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
     kind: str = schema.choice(
         "lattice of the packing; file: grains at user-defined positions; restart: spheres of a "
-        "LAMMPS restart file, whose contacts keep their plastic indentations and springs",
-        kind_names,
+        "LAMMPS restart file, whose contacts keep their plastic indentations and springs; other "
+        "kinds: grains that are generated before the run, with keys of their own",
+        kinds_of_packings,
     )
     size: tuple[int, ...] = schema.typed(
-        "number of spheres along x, rows along y and layers along z, as far as the kind has "
-        "them; not for a file",
+        "number of spheres along x, rows along y and layers along z, for the directions that the "
+        "lattice has; not for a file",
         SIZE,
     )
     top_row: str = schema.choice(

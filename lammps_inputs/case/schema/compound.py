@@ -20,6 +20,7 @@ from granwave.lammps_inputs.case.schema.values import (
     ValueType,
     WordType,
 )
+from granwave.lammps_inputs.message_words import did_you_mean
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -237,6 +238,15 @@ class ChoiceOrTables(ChoiceType):
     def accepts(self) -> str:
         """All options, and the tables in words."""
         return f"{self.expected}; or {self.otherwise.expected}"
+
+    def read(self, value: Any) -> Any:
+        """Return the option; a fault names the tables too."""
+        try:
+            return super().read(value)
+        except ValidationError:
+            raise ValidationError(
+                self.accepts + did_you_mean(value, map(str, self.words))
+            ) from None
 
     @property
     def json(self) -> Json:

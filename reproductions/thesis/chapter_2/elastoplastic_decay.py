@@ -56,9 +56,9 @@ def rows(runs):
             ours=ours,
             where="thesis 2.25, Fig. 2.13",
             digits=3,
-            remark="The fit is by least squares of the logarithm. The source draws one law for "
-            "three impulses and states that it was fitted to the smallest impulse; the "
-            "smallest impulse alone has other constants.",
+            remark="The decay is fitted by least squares of the logarithm of the force. The "
+            "source draws one curve for three impulses, and states that it was fitted to the "
+            "smallest impulse; the smallest impulse alone has other constants.",
         )
     yield gw.Row(
         f"b: decay of the leading wave per contact, contacts 1 to {FITTED}, {weakest.tag}",
@@ -77,8 +77,8 @@ def rows(runs):
             ours=wave.decay(1, SWITCH),
             where="thesis 2.25",
             digits=3,
-            remark="The source uses 2.25 over these contacts for all loads. Our decay is faster "
-            "for larger impulses; the rows of one law have all three impulses together.",
+            remark="The source uses one decay for all impulses over these contacts. Our decay is "
+            "faster for larger impulses.",
         )
     for wave in waves:
         yield gw.Row(

@@ -69,7 +69,7 @@ def rows(runs):
         if known := NORMALISED.get(run.case.load.velocity):
             yield gw.Row("Velocity, normalised", source=known[0], theory=run["velocity_normalised"],
                          where="thesis 5.3.2, Fig. 5.8", remark=(
-                             f"Normalisation of thesis 5.11{known[1]}"))  # fmt: skip
+                             f"The normalisation is thesis 5.11{known[1]}."))  # fmt: skip
     yield from constants(reference)
     for name, group in others.items():
         gaps = [abs(run["dissipated_fraction"] - twin["dissipated_fraction"]) for run in group for twin in reference
@@ -87,14 +87,15 @@ def rows(runs):
                  if abs(one["energy_input_J"] / run["energy_input_J"] - 1) < SAME}  # fmt: skip
         for count in sorted(equal.keys() - {1}):
             what = f"Dissipated fraction, impact on {count} spheres / on one, input "
+            energy = float(f"{run['energy_input_normalised']:.2g}")
             yield gw.Row(
-                what + f"{run['energy_input_normalised']:.2g} F_y alpha_y",
+                what + f"{energy:g} F_y alpha_y",
                 source=1.0,
                 digits=3,
                 ours=equal[count] / equal[1],
                 where="thesis Fig. 5.7",
-                remark=f"The curves of the source overlap. The dissipated fractions are {equal[count]:.3f} "
-                f"and {equal[1]:.3f} (one sphere).",
+                remark="The curves of the source overlap. An impact on one sphere dissipates "
+                f"{equal[1]:.3f} of the energy.",
             )
 
 

@@ -196,7 +196,7 @@ def test_forces_without_an_exponential_tail_have_no_decay(run, monkeypatch):
     text = drawn(run, "force_distribution").figure.axes[0].get_legend().get_texts()[0].get_text()
     first, second, third = text.split("\n")
     assert first.endswith("5000 of 5100 loaded contacts")
-    assert second == "(with at least $10^{-4}$ of the largest force)"
+    assert second == "(with at least $10^{-4}$ of the largest force);"
     assert third.endswith("above the mean force: not exponential") and "±" not in text
 
 

@@ -22,6 +22,7 @@ from granwave.analysis.measures.geometry import own_plane
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans import figures as scan_figures
 from granwave.analysis.studies import study as studies
+from granwave.analysis.studies.registry import STUDIES
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.figures import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
@@ -110,6 +111,37 @@ def test_a_part_of_a_study_that_fails_costs_no_other(monkeypatch):
         f"rows of the study tolerance, from number 2 on, could not be made: {REASON}",
         f"figure tolerance_first could not be made: {REASON}",
     ]
+
+
+@pytest.mark.failing_figures
+def test_a_failing_study_of_the_user_names_its_line(tmp_path, caplog):
+    """The error is raised in a library; the message names the line of the user's file."""
+    run = write_run(tmp_path / "run")
+    study = tmp_path / "mine.py"
+    study.write_text(
+        "import granwave as gw\n\n\ndef rows(runs):\n"
+        "    law = gw.measures.power_law([5.0, 5.0], [1.0, 2.0])\n"
+        "    yield gw.Row('Exponent', ours=law.exponent)\n"
+    )
+    command = ["report", str(run), "--study", str(study), "-o", str(tmp_path / "report.md")]
+    assert main(command) == 0
+    assert "found x = 5 at all points, expected two or more different values" in caplog.text
+    assert "(mine.py, line 5)" in caplog.text
+
+
+def test_a_study_that_does_not_suit_the_runs_is_reported(tmp_path, caplog):
+    run = write_run(tmp_path / "run")
+    command = ["report", str(run), "-o", str(tmp_path / "report.md"), "--study"]
+    assert main([*command, "tolerance"]) == 0
+    assert (
+        "the report does not contain the study tolerance, which needs packings that differ only "
+        "in diameter scatter, vacancies or friction, in at least two settings"
+    ) in caplog.text
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_built_in_study_states_the_runs_that_it_needs(name):
+    assert studies.requirement(name) != "other runs"
 
 
 @pytest.mark.needs_extension("continuum")

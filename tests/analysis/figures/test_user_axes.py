@@ -47,8 +47,12 @@ def test_a_figure_is_drawn_into_axes(runs, axes):
 
 
 def test_axes_that_do_not_suit(runs, axes):
-    with pytest.raises(InputError, match="found 1, expected a list of 2 axes"):
+    with pytest.raises(InputError, match=r"ax: found 1 axes; the figure needs a list of 2$"):
         runs[0].figure("energies", ax=axes[0])
+    with pytest.raises(
+        InputError, match="ax: found 2 axes; the figure needs 1, as it has one panel"
+    ):
+        runs[0].figure("force_distribution", ax=axes)
     with pytest.raises(InputError, match="projection='polar'"):
         runs[0].figure("directions", ax=axes)
 
@@ -132,7 +136,7 @@ def test_titles_and_legends_fit_small_axes(runs):
     before the layout changed.
     """
     slow, fast = runs
-    figure, panels = pyplot.subplots(2, 2, figsize=(7, 5), layout="constrained")
+    figure, panels = pyplot.subplots(2, 2, figsize=(6, 5), layout="constrained")
     slow.figure("bottom_force", ax=panels[0, 0], against=fast)
     slow.figure("peak_force_depth", ax=panels[0, 1])
     slow.figure("peak_force_section", ax=panels[1, 0], plane="y")
@@ -157,6 +161,71 @@ def test_the_legend_of_wide_axes_covers_no_curve(runs):
     figure.draw_without_rendering()
     assert not covers_curve(axes, axes.get_legend())
     pyplot.close(figure)
+
+
+@pytest.mark.parametrize("size", [(3.4, 2.4), (7, 3)])
+@pytest.mark.parametrize("layout", ["constrained", None])
+@pytest.mark.parametrize(
+    ("name", "n_panels"),
+    [
+        ("peak_force_depth", 1), ("plastic_zone_size", 1), ("force_distribution", 1),
+        ("dissipation_cumulated", 1), ("bottom_force", 1), ("energies", 2),
+        ("plastic_zone_growth", 2), ("peak_force_principal", 1),
+    ],
+)  # fmt: skip
+def test_a_column_of_a_journal(runs, name, n_panels, layout, size):
+    """Axes keep their height, labels and legends are inside the figure, and time axes line up."""
+    figure, panels = pyplot.subplots(
+        n_panels, 1, figsize=size, layout=layout, dpi=100, squeeze=False
+    )
+    panels = list(panels.ravel())
+    runs[1].figure(name, ax=panels)
+    figure.draw_without_rendering()
+    assert sum(axes.bbox.height for axes in panels) > 0.38 * figure.bbox.height
+    for axes in figure.axes:
+        artists = [axes.xaxis.label, axes.yaxis.label, axes.get_legend()]
+        for artist in artists:
+            if artist is None:
+                continue
+            box = artist.get_window_extent()
+            inside = figure.bbox.padded(0.5)
+            assert box.x0 >= inside.x0 and box.x1 <= inside.x1
+            assert box.y0 >= inside.y0 and box.y1 <= inside.y1
+        legend = axes.get_legend()
+        assert legend is None or not covers_curve(axes, legend)
+    for axes in panels[:-1]:
+        assert axes.get_xlim() == panels[-1].get_xlim()
+        assert axes.bbox.x0 == pytest.approx(panels[-1].bbox.x0, abs=0.5)
+    assert layout is not None or figure.get_layout_engine() is None
+    pyplot.close(figure)
+
+
+def test_places_that_the_user_set_stay(runs):
+    """Axes that were placed or adjusted by hand are not laid out."""
+    figure, axes = pyplot.subplots()
+    figure.subplots_adjust(left=0.3)
+    before = axes.get_position().bounds
+    runs[0].figure("bottom_force", ax=axes)
+    assert axes.get_position().bounds == before
+    placed = figure.add_axes((0.4, 0.4, 0.3, 0.3))
+    runs[0].figure("impactor_velocity", ax=placed)
+    assert placed.get_position().bounds == pytest.approx((0.4, 0.4, 0.3, 0.3))
+    pyplot.close(figure)
+
+
+def test_a_legend_above_is_above_the_title(runs):
+    figure, panels = pyplot.subplots(2, 1, figsize=(3.4, 2.4), layout="constrained")
+    runs[1].figure("plastic_zone_growth", ax=list(panels))
+    figure.draw_without_rendering()
+    for axes in panels:
+        legend = axes.get_legend().get_window_extent()
+        title = axes.title.get_window_extent()
+        assert not axes.get_title() or not legend.overlaps(title)
+    pyplot.close(figure)
+
+
+def test_no_line_ends_with_a_sign_of_division():
+    assert in_lines("Energy / input of all", 3) == "Energy\n/ input\nof all"
 
 
 def test_formulas_are_not_broken():

@@ -110,6 +110,28 @@ def test_no_reflection_before_the_wave_is_at_the_base(tmp_path):
     assert peaks.n_left_out > 0
 
 
+@pytest.mark.parametrize("end", [1.4e-4, 1.7e-4, 3.3e-4, 4.3e-4, 1.5e-3])
+def test_no_pulse_is_missed_behind_the_front(tmp_path, end):
+    """Lines of a yielding simple cubic packing are chains. Layers whose larger, second pulse comes
+    after the end of the run are not known.
+    """
+    cubic = {"packing.kind": "sc", "boundary.bottom": "wall"}
+    for material, velocity in (("aluminium", 1.5), ("steel", 0.8)):
+        changes = cubic | {"material": material, "load.velocity": velocity}
+        peaks = []
+        for n_layers, until in ((20, end), (45, 1.5e-3)):
+            packing = {"packing.size": [3, 3, n_layers], "run.end_time": until}
+            case = load_case("fcc-small", changes | packing)
+            directory = tmp_path / f"{material}-{n_layers}"
+            run_case(case, directory, figures=False)
+            with Result(directory) as result:
+                peaks.append(layer_peaks(result))
+        packing, deep = peaks
+        known = np.flatnonzero(packing.is_known[:-1])
+        assert len(known) >= 6
+        assert packing.largest[known] == pytest.approx(deep.largest[known], rel=0.01)
+
+
 def test_a_long_load_has_no_first_wave_of_four_layers(tmp_path):
     """A pulse that lasts longer than the way to the base and back."""
     pulse = {"kind": "force", "shape": "half-sine", "amplitude": 50.0, "duration": 8e-4}

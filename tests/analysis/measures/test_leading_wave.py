@@ -5,10 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.chains import along_chain
+from granwave.analysis.figures.chains import along_chain, bead_velocities
 from granwave.analysis.figures.style import style
-from granwave.analysis.measures.force_decay import force_decay, layer_peaks, no_decay_reason
-from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
+from granwave.analysis.measures.force_decay import (
+    exponential_of_depth,
+    force_decay,
+    layer_peaks,
+    no_decay_reason,
+)
+from granwave.analysis.measures.fronts import line_motions
+from granwave.analysis.measures.leading_wave import first_wave, leading_peaks, stretch_speeds
 from granwave.analysis.measures.regions import WHOLE, stretches, usual_regions
 from granwave.analysis.result.reader import Result
 from granwave.analysis.summary import summarise
@@ -41,6 +47,101 @@ def test_peaks_of_the_first_wave_are_constant_up_to_the_wall(tmp_path):
     assert not known[-1]
     assert peaks[25:35] == pytest.approx(np.full(10, peaks[30]), rel=1e-3)
     assert largest[-1] > 1.03 * peaks[30]
+
+
+YIELDING = {"contact.law": "elastoplastic", "load.velocity": 0.8, "run.end_time": 1.6e-3}
+TWINS = {
+    "steel": {},
+    "brass": {"material": "brass"},
+    "aluminium": {"material": "aluminium", "load.velocity": 1.5},
+    "free": {"boundary.bottom": "free"},
+    "held": {"boundary.bottom": "fixed"},
+    "fast": {"load.velocity": 3.0},
+    "static": {"precompression": {"kind": "uniaxial", "force": 2.0}},
+    "heavy": {"load.velocity": 0.4, "replace": [{"index": 1, "diameter": 0.02}]},
+    "pulse": {
+        "load": {"kind": "force", "shape": "half-sine", "amplitude": 500.0, "duration": 3e-4}
+    },
+    "hertz": {"contact.law": "hertz"},
+    "damped": {"contact.law": "hertz", "contact.loss": {"dashpot": 0.2}},
+    "short": {"run.end_time": 3.5e-4},
+}
+N_SHORT = 25
+N_LONG = 110
+
+
+def twins(directory, changes):
+    """Return the known peaks of a chain, those of all contacts before the reflection, and the peaks
+    of the same contacts of a chain whose end the wave has not reached, or where it arrives later.
+    """
+    with run(directory / "short", YIELDING | changes | {"packing.size": N_SHORT}) as result:
+        known = leading_peaks(result)
+        so_far = first_wave(result).peak
+    same = {name: value for name, value in changes.items() if name != "run.end_time"}
+    with run(directory / "long", YIELDING | same | {"packing.size": N_LONG}) as result:
+        force = result["chain/contact_force"]
+        rise = force - force[0] if "precompression" in changes else force
+        until = first_wave(result).reflection or np.inf
+        long = rise[result["chain/time"] <= until, : len(known)].max(axis=0)
+    return known, so_far, long
+
+
+@pytest.mark.parametrize("name", TWINS)
+def test_known_peaks_are_those_of_a_long_chain(tmp_path, name):
+    """A trailing pulse can be larger than the first one, and can come after the reflection."""
+    known, _, long = twins(tmp_path, TWINS[name])
+    is_known = known > 0
+    assert np.count_nonzero(is_known) >= 12
+    assert known[is_known] == pytest.approx(long[is_known], rel=0.01)
+
+
+def test_a_trailing_pulse_is_not_cut(tmp_path):
+    """Without the condition on later pulses, forces would be a third too small."""
+    known, so_far, long = twins(tmp_path, {})
+    contact = 19  # at a depth of 195 mm
+    assert so_far[contact] < 0.75 * long[contact]
+    assert np.isnan(known[contact])
+    assert known[14] == pytest.approx(long[14], rel=0.01)
+
+
+def test_fit_and_figure_leave_out_what_is_not_known(tmp_path):
+    """The decay of 25 beads is that of the same depths of 110; open circles are not fitted."""
+    chain = YIELDING | {"packing.size": N_SHORT}
+    with run(tmp_path / "short", chain) as result, style():
+        wave = first_wave(result)
+        peaks = layer_peaks(result)
+        decay = force_decay(result)
+        axes = along_chain(result).figure.axes[0]
+    with run(tmp_path / "long", chain | {"packing.size": N_LONG}) as result:
+        long = layer_peaks(result)
+    beads = np.flatnonzero(peaks.is_known)
+    assert peaks.largest[beads] == pytest.approx(long.largest[beads], rel=1e-3)
+    fitted = beads[beads > 0]
+    assert decay.n_layers == len(fitted)
+    same = exponential_of_depth(long.depth[fitted], long.largest[fitted])
+    assert decay.rate == pytest.approx(same.rate, rel=1e-3)
+    lines = {line.get_label(): line for line in axes.lines}
+    passing = lines["larger pulse may follow"]
+    assert passing.get_markerfacecolor() == "none"
+    assert passing.get_xdata() == pytest.approx(np.flatnonzero(wave.is_passing) + 1)
+    assert lines["first wave"].get_xdata() == pytest.approx(np.flatnonzero(wave.is_known) + 1)
+
+
+@pytest.mark.parametrize("name", ["steel", "brass", "aluminium", "free", "held", "static", "hertz"])
+def test_speed_of_the_front_is_that_of_a_long_chain(tmp_path, name):
+    """Arrivals are at a tenth of the largest force of the run, which later pulses change."""
+    changes = YIELDING | TWINS[name]
+    fronts = []
+    for n_beads in (N_SHORT, N_LONG):
+        with run(tmp_path / str(n_beads), changes | {"packing.size": n_beads}) as result:
+            motion = line_motions(result, result.origin, np.array([0.0, 0.0, 1.0]))[0]
+        fronts.append(motion)
+    short, long = fronts
+    rows = np.isin(short.place.round(6), short.front.place.round(6))
+    arrival = long.arrival[:N_SHORT][rows]
+    assert short.front.time == pytest.approx(arrival, rel=0.02)
+    slope = np.polyfit(arrival, short.place[rows], 1)[0]
+    assert short.front.speed == pytest.approx(slope, rel=0.035)
 
 
 def test_a_solitary_wave_has_no_decay(tmp_path):
@@ -88,6 +189,31 @@ def test_figure_along_a_chain_is_of_the_first_wave(tmp_path):
         later.get_ydata()[-1]
     )
     assert drawing.columns["first_wave_peak_force_N"] == pytest.approx(first, nan_ok=True)
+
+
+@pytest.mark.parametrize(("law", "n_beads"), [("elastoplastic", 25), ("hertz", 40)])
+def test_velocities_are_at_instants_of_the_front(tmp_path, law, n_beads):
+    """Also where the run lasts five times as long as the passage: each curve is largest, ahead of
+    the later pulses, at the bead of its name, and without losses all have the same height.
+    """
+    long = YIELDING | {"contact.law": law, "packing.size": n_beads, "run.end_time": 2.5e-3}
+    with run(tmp_path, long) as result, style():
+        drawing = bead_velocities(result)
+        end = first_wave(result).reflection
+    curves = drawing.figure.axes[0].lines[:4]
+    beads = [int(curve.get_label().split("bead ")[1]) for curve in curves]
+    assert beads == sorted(set(beads)) and beads[-1] >= n_beads - 3
+    heights = []
+    for curve, bead in zip(curves, beads, strict=True):
+        front = curve.get_ydata()[bead - 1 :]
+        assert front.argmax() == 0
+        heights.append(front[0])
+    instants = [float(name.split("_")[2]) for name in drawing.columns if name != "bead"]
+    assert instants == sorted(instants) and instants[-1] <= end
+    if law == "hertz":
+        assert heights[1:] == pytest.approx([heights[-1]] * 3, rel=0.01)
+    else:
+        assert heights == sorted(heights, reverse=True)
 
 
 def test_speeds_of_two_materials(tmp_path):

@@ -247,7 +247,7 @@ def test_run_says_that_its_zone_is_cut(capfd, tmp_path):
     assert main([*words, "--set", "run.end_time=1e-4"]) == 0
     told = capfd.readouterr()
     assert re.search(r"reaches boundaries +bottom, sides\n", told.out)
-    assert "fcc-small: the plastic zone reaches the bottom and the sides" in told.err
+    assert "the plastic zone reaches the bottom and the sides" in told.err
 
 
 # ---------------------------------------------------------------------- scans

@@ -13,6 +13,7 @@ import pytest
 from granwave.analysis import Result, summarise, write_result
 from granwave.analysis.measures import zone_size
 from granwave.analysis.measures.zone_size import (
+    WAVE_KEYS,
     Mark,
     extent_holding,
     mark_of,
@@ -434,3 +435,10 @@ def test_wave_in_a_block_goes_at_the_speed_of_compression(block):
     found = block.zone_summary()
     assert found["wave_return_s"] == pytest.approx(2 * 0.045 / speed, rel=1e-6)
     assert found["wave_returned"] == []  # the history ends before
+
+
+def test_a_collision_of_two_spheres_has_no_boundaries(tmp_path):
+    """Its sizes are known; no boundary limits them, in agreement with its mark and its badge."""
+    summary = summary_of(tmp_path, kind="chain", size=2)
+    assert summary["zone_depth_90_m"] is not None
+    assert [summary[name] for name in ("zone_cut", *WAVE_KEYS)] == [None] * 4

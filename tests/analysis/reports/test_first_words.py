@@ -13,7 +13,9 @@ import pytest
 
 from granwave.analysis.document.model import Figure, Gallery, Note, text_table
 from granwave.analysis.formatting.numbers import quantity_in
-from granwave.analysis.reports.answer import _decay, in_words
+from granwave.analysis.measures.leading_wave import FirstWave
+from granwave.analysis.reports.answer import in_words
+from granwave.analysis.reports.first_wave import course_in_words
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import GRANULAR, ReportRun
 from granwave.analysis.reports.results import value_rows
@@ -96,18 +98,30 @@ def test_a_target_comes_first():
     assert in_words(on_a_wall) == "The peak force on the bottom was 10 N."
 
 
+CONTACT_DEPTHS = 0.005 + 0.01 * np.arange(8)
+
+
+def chain_wave(peaks, reflection=None, passing=()):
+    """Return a first wave: peaks, NaN where not known; indices of contacts that wait for more."""
+    is_passing = np.isin(np.arange(len(peaks)), passing)
+    is_known = np.isfinite(peaks) & ~is_passing
+    return FirstWave(np.array(peaks), is_known, is_passing, reflection)
+
+
 def test_a_chain_says_speed_and_decay(monkeypatch):
     """Contacts that the wave has not reached do not count."""
+    wave = chain_wave([100.0, 60.0, 9.0, 1e-9])
     monkeypatch.setattr(
-        "granwave.analysis.reports.answer._peaks", lambda _: np.array([100.0, 60.0, 9.0, 1e-9])
+        "granwave.analysis.reports.answer.course_of_peaks",
+        lambda _: course_in_words(wave, CONTACT_DEPTHS[:4]),
     )
     run = run_with(
         {"packing.kind": "chain"}, wave_speed_m_s=428.3, energy_input_J=2.0, dissipated_fraction=0.0
     )
     assert in_words(run) == (
         "The wave speed was 428.3 m/s. The peak force of the wave decreases from 100 N in "
-        "contact 1 to 9 N in contact 3. None of the input energy of 2 J "
-        "was dissipated."
+        "contact 1 to 9 N in contact 3 (half at 15.96 mm, a tenth at 24.44 mm below the impacted "
+        "bead). None of the input energy of 2 J was dissipated."
     )
     assert labels(run)[0] == "Wave speed in the deeper half"
 
@@ -116,18 +130,43 @@ def test_a_chain_says_speed_and_decay(monkeypatch):
     ("peaks", "words"),
     [
         (
-            [60.0, 50.0, 45.01, 45.0, 45.0, 45.0, np.nan],
+            [60.0, 50.0, 45.01, 45.0, 45.0, 45.0],
             "decreases from 60 N in contact 1 to 45.01 N in contact 3 and is constant within 0.1 % "
-            "from there to contact 6; contacts beyond 6 also carry the reflection",
+            "from there to contact 6",
         ),
         ([1.0, 2.0, 3.0, 0.0], "increases from 1 N in contact 1 to 3 N in contact 3"),
         ([1.0, 3.0, 2.0], "is between 1 N in contact 1 and 3 N in contact 2"),
         ([2.0, 2.0], "is constant within 0.1 %: 2 N in contact 1 to 2"),
         ([2.0, np.nan], ""),
+        (
+            [8.0, 4.0, 2.0],
+            "decreases from 8 N in contact 1 to 2 N in contact 3 (half at 15 mm below the impacted "
+            "bead)",
+        ),
     ],
 )
 def test_the_course_of_the_first_wave(peaks, words):
-    assert _decay(np.array(peaks)) == words
+    assert course_in_words(chain_wave(peaks), CONTACT_DEPTHS[: len(peaks)]) == words
+
+
+@pytest.mark.parametrize(
+    ("reflection", "passing", "words"),
+    [
+        (1e-3, (), "decreases from 9 N in contact 1 to 7 N in contact 3; beyond contact 3, the "
+            "reflection arrives before the largest pulse has passed"),
+        (None, (3,), "decreases from 9 N in contact 1 to 7 N in contact 3; beyond contact 3, the "
+            "run ends before the largest pulse has passed"),
+        (None, (), "decreases from 9 N in contact 1 to 7 N in contact 3"),
+        (1e-3, (0, 1, 2, 3), "is not known: the largest pulse has passed fewer than two contacts "
+            "before the reflection"),
+        (None, (0, 1, 2, 3), "is not known: the largest pulse has passed fewer than two contacts "
+            "before the end of the run"),
+    ],
+)  # fmt: skip
+def test_contacts_without_a_known_peak_are_named(reflection, passing, words):
+    peaks = [9.0, 8.0, 7.0, 6.0 if passing else np.nan]
+    wave = chain_wave(peaks, reflection, passing)
+    assert course_in_words(wave, CONTACT_DEPTHS[:4]) == words
 
 
 def test_one_definition_of_the_reduction_under_a_static_load():
@@ -254,3 +293,16 @@ def test_symbols_of_two_runs_name_the_run_of_each_value(tmp_path):
     hard, soft = (quantity_in(law.yield_force, "N") for law in laws)
     assert f"F_y = {hard} (brass) and {soft} (soft) is the force" in note.text
     assert "e_in = 50 mJ is the energy input" in note.text
+
+
+def test_a_decay_in_two_regions_has_two_rates():
+    """One rate through both regions describes neither; rates within 10 % are one."""
+    rates = {"decay_first_per_m": 2.79, "decay_second_per_m": 6.11, "decay_border_m": 0.076}
+    line = {f"line_x_{name}": value for name, value in rates.items()}
+    line |= {"line_x_front_speed_m_s": 700.0, "line_x_decay_per_m": 3.678}
+    assert in_words(run_with(**line)).endswith(
+        "Its peak speed decays by 2.79 1/m up to 76 mm from its first grain, and by 6.11 1/m "
+        "beyond."
+    )
+    alike = line | {"line_x_decay_second_per_m": 2.9}
+    assert in_words(run_with(**alike)).endswith("Its peak speed decays by 3.678 1/m.")

@@ -10,7 +10,7 @@ import pytest
 
 from granwave.analysis.document.model import cell_in_unit, shared_units, units_of_values
 from granwave.analysis.formatting.numbers import column_unit
-from granwave.analysis.formatting.values import ratio_in_words
+from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.reports.comparison.subjects import compared_runs, value_text
 from granwave.analysis.reports.setting import differing, setting_of
 from tests.helpers.made_up.synthetic_report import build, write_run
@@ -150,3 +150,12 @@ def test_energies_of_a_table_have_one_unit():
 )
 def test_ratios_are_in_words(name, expected):
     assert ratio_in_words(name) == (expected or name)
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [("um", "7 µm"), ("us", "7 µs"), ("1e-3", "7 × 10⁻³"), ("1e4", "7 × 10⁴"), ("J/N^2", "7 J/N²"),
+     ("rad/s", "7 rad/s"), ("", "7")],
+)  # fmt: skip
+def test_units_of_rows_are_printed_as_symbols(unit, expected):
+    assert with_unit("7", unit) == expected

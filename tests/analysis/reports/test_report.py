@@ -177,6 +177,13 @@ def test_badges_show_states_and_lead_to_their_sections(tmp_path, error, badge):
     ]
 
 
+def test_a_collision_of_two_spheres_has_no_badge_of_its_zone(tmp_path):
+    """A zone without boundaries is neither clear of them nor limited by them."""
+    run = write_run(tmp_path / "run", figures=False, n_spheres=2, zone_cut=["bottom"])
+    texts = [badge.text for badge in build([run], tmp_path).badges]
+    assert not any("plastic zone" in text for text in texts)
+
+
 def test_badges_of_several_runs_count(both):
     texts = [badge.text for badge in both[1].badges]
     assert "not finished: 2 of 10" in texts and "energy balance unknown: 6 of 8" in texts

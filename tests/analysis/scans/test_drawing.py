@@ -18,7 +18,8 @@ from granwave.analysis.figures.scales import plain_powers
 from granwave.analysis.figures.style import style
 from granwave.analysis.scans.drawing import _scale_abscissae, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.figures import draw_scan_figures, drawings
-from granwave.analysis.scans.keys import key_of, means_of
+from granwave.analysis.scans.keys import key_of
+from granwave.analysis.scans.means import means_of
 from granwave.analysis.scans.result import ScanResult
 from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
 
@@ -318,6 +319,41 @@ def test_a_quantity_that_its_scale_makes_constant_is_drawn_in_its_unit(tmp_path)
     columns = drawings(ScanResult(scan))["peak_force_vs_packing_diameter"].columns
     force = np.array(columns["peak_force_N"])
     assert force[1:] / force[:-1] == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(
+    ("materials", "column"),
+    [(["brass", "aluminium"], "peak_force_N"), (["brass"], "peak_force_over_yield_force")],
+)
+def test_forces_are_in_newtons_where_the_yield_force_varies(tmp_path, materials, column):
+    """Bars divided by different yield forces would be in another order than the forces."""
+    scan = write_scan(tmp_path, grid(packing__kind=["fcc", "hcp", "sc"], material=materials))
+    columns = drawings(ScanResult(scan))["peak_force_vs_packing_kind"].columns
+    assert column in columns
+
+
+def test_lengths_are_in_millimetres_where_the_diameter_varies(tmp_path):
+    scan = write_scan(tmp_path, grid(packing__diameter=[0.005, 0.01, 0.02], load__velocity=[2, 5]))
+    columns = drawings(ScanResult(scan))["plastic_zone_depth_vs_packing_diameter"].columns
+    assert "plastic_zone_depth_mm" in columns
+
+
+def test_a_constant_quantity_has_no_figure_on_normalised_axes(tmp_path):
+    """All collisions of two spheres have two yielded spheres."""
+    scan = write_scan(tmp_path, grid(load__velocity=[1, 2, 5], material=["brass", "aluminium"]))
+    change_summaries(tmp_path, lambda labels: {"n_plastic_spheres": 2})
+    drawn = drawings(ScanResult(scan))
+    assert "collapse_dissipated_fraction" in drawn and "collapse_plastic_volume" not in drawn
+
+
+def test_two_points_are_no_curve_on_normalised_axes(tmp_path):
+    points = [
+        {"load.velocity": 5.0, "material": "brass"},
+        {"load.velocity": 10.0, "material": "steel"},
+    ]
+    assert not any(
+        "collapse" in name for name in drawings(ScanResult(write_scan(tmp_path, points)))
+    )
 
 
 def test_points_of_categories_are_not_joined(tmp_path):

@@ -220,7 +220,7 @@ def test_a_report_has_a_table_for_each_kind(tmp_path: Path) -> None:
     }
     assert list(tables) == [
         "Chain: source against ours", "Chain: theory against ours", "Chain: verification of the code",
-        "Chain: ours alone",
+        "Chain: granwave only (no reference)",
     ]  # fmt: skip
     sourced = tables["Chain: source against ours"]
     assert [row[0].text for row in sourced.rows] == ["force (N) ¹", "printed formula (m/s)"]

@@ -138,7 +138,7 @@ def _schedule_rows(plan: Plan, values: Mapping[str, Any]) -> Rows:
         largest = f"{schedule.largest_timestep:.4g} s at most"
         balance = f"energy balance to {schedule.energy_tolerance:g} of the input"
         timestep = f"{first}, {largest}: {balance}"
-        steps = f"{schedule.n_steps // schedule.first_step} if all steps had the first length"
+        steps = f"{schedule.n_steps // schedule.first_step} with the initial timestep"
     at_most = "at most " if schedule.block_steps else ""  # such a run ends automatically
     yield "timestep", timestep
     if plan.limit:
@@ -147,7 +147,7 @@ def _schedule_rows(plan: Plan, values: Mapping[str, Any]) -> Rows:
     yield "snapshots", f"{at_most}{schedule.n_frames}"
     if (arrival := values["expected_arrival_s"]) is not None:
         before = values["n_frames_before_arrival"]
-        some = f", with {before} of the snapshots before" if arrival < schedule.end_time else ""
+        some = f"; {before} snapshots are taken earlier" if arrival < schedule.end_time else ""
         yield "wave at the bottom", f"after about {arrival:.3g} s{some}"
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import Quantity, quantity, scan_columns
-from granwave.analysis.scans.keys import means_of
+from granwave.analysis.scans.means import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
 from granwave.workflows.cli.terminal import columns, in_shell
 from granwave.workflows.scanning.driver import ScanOutcome

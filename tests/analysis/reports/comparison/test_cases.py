@@ -51,6 +51,19 @@ def test_labels_show_the_diameter(tmp_path):
     assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "c: hcp, 9 × 9 × 6, 6 mm, …"
 
 
+def test_labels_name_a_plate_and_an_early_end(tmp_path):
+    """The table of a plate is longer than a label; an early end is named without another
+    difference.
+    """
+    plate = '{plate = {mass = 0.5, stiffness = 2e7}, material = "steel"}'
+    changes = {"a": {}, "b": {"boundary__bottom": plate}, "c": {"run__end_time": 8e-5}}
+    for name, own in changes.items():
+        write_run(tmp_path / name, figures=False, **own)
+    runs = read_inputs([tmp_path / name for name in changes], tmp_path).runs
+    labels = [run.label for run in compared_runs(runs)]
+    assert labels == ["a", "b: bottom plate", "c: until 80 µs"]
+
+
 def test_a_point_without_scatter_is_named_by_its_scatter(tmp_path):
     """The seed has no effect without scatter; runs with names of their own keep them."""
     points = [

@@ -50,7 +50,7 @@ def test_a_comparison_is_drawn_into_axes(place, axes):
     assert comparison.figure("energies", ax=axes) == axes
     assert list(axes[0].get_figure().get_size_inches()) == [9, 3]
     assert pyplot.get_fignums() == before
-    with pytest.raises(InputError, match="found 2, expected one pair of axes"):
+    with pytest.raises(InputError, match="found 2 axes; the figure needs 1"):
         comparison.figure("bottom_force", ax=axes[:2])
 
 

@@ -62,6 +62,20 @@ def test_shift_and_scale(tmp_path):
     assert deviation(measured, far) is None
 
 
+def test_falling_times_are_named(tmp_path):
+    """Equal times, which rounded time stamps have, and depths in any order are accepted."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_us,force_N\n0,0\n1,5\n1,6\n3,2\n2,1\n")
+    with pytest.raises(InputError) as caught:
+        read_measured(file, ("s", "N"))
+    assert "column time_us: found 2 µs after 3 µs (values 4 and 5)" in str(caught.value)
+    assert "sort the rows by time" in str(caught.value)
+    file.write_text("time_us,force_N\n0,0\n1,5\n1,6\n2,1\n")
+    assert len(read_measured(file, ("s", "N")).x) == 4
+    file.write_text("depth_mm,force_N\n10,5\n30,2\n20,3\n")
+    assert read_measured(file, ("m", "N")).y == pytest.approx([5, 3, 2])
+
+
 def test_units_below_the_names(tmp_path):
     """The tables have the format of an oscilloscope."""
     file = tmp_path / "scope.csv"
@@ -132,6 +146,30 @@ def test_a_run_that_still_rises_at_its_end_has_no_percentage(tmp_path):
     assert "at their end: rising." in coverage_notes(measured, differences)[0]
     alone = closest_sentence(measured, {"rising": rising}, ("s", "N"), alone=True)
     assert "the curve of the run still rises at its end, 7.92 N at 198 ms" in alone
+
+
+def test_runs_that_do_not_resemble_the_curve_are_not_ranked(tmp_path):
+    """Their rms difference exceeds the measured peak."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n0,0\n1,4\n2,10\n3,2\n")
+    measured = read_measured(file, ("s", "N"))
+    time = np.arange(4) * 1e-3
+    pulse = np.array([0.0, 4.0, 10.0, 2.0])
+    differences = {
+        "four times": deviation(measured, SampledCurve(time, 4.0 * pulse)),
+        "five times": deviation(measured, SampledCurve(time, 5.0 * pulse)),
+    }
+    text = closest_sentence(measured, differences, ("s", "N"), alone=False)
+    size = 3.0 * np.sqrt(np.mean(pulse**2))
+    assert text.startswith("No run resembles ")
+    assert f"the smallest difference, of four times, is {size:.4g} N rms, 164 % of" in text
+    assert coverage_notes(measured, differences) == []
+    one = closest_sentence(measured, {"a": differences["four times"]}, ("s", "N"), alone=True)
+    assert one.startswith("a does not resemble ")
+    differences["near"] = deviation(measured, SampledCurve(time, 1.1 * pulse))
+    assert closest_sentence(measured, differences, ("s", "N"), alone=False).startswith("Only near")
+    (note,) = coverage_notes(measured, differences)
+    assert "exceeds the measured peak: four times and five times." in note
 
 
 def test_a_sensor_of_the_opposite_sign(tmp_path):

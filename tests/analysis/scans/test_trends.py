@@ -1,0 +1,144 @@
+"""Trends of a scan in words: stated where a change exceeds the confidence intervals."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from granwave.analysis.scans.figures import drawings
+from granwave.analysis.scans.means import means_of
+from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.scans.trends import Trend, course_of
+from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
+
+SCATTERS = [2e-6, 5e-6, 10e-6]
+FORCE = "wall_peak_force_N"
+
+
+@pytest.mark.parametrize(
+    ("means", "half_widths", "course"),
+    [
+        ([1.0, 2.0, 3.0], [0.0, 0.0, 0.0], Trend.RISES),
+        ([3.0, 2.0, 1.0], [0.0, 0.0, 0.0], Trend.FALLS),
+        ([1.0, 3.0, 2.0], [0.0, 0.0, 0.0], Trend.MIXED),
+        ([1.0, 1.0 + 1e-9, 1.0], [0.0, 0.0, 0.0], Trend.CONSTANT),
+        # forces of a packing with growing scatter, N: the first step is within its interval
+        ([1427.1, 1428.0, 1050.0, 880.0], [0.0, 30.0, 90.0, 120.0], Trend.FALLS),
+        ([696.8, 697.1, 698.7, 703.0], [0.0, 3.6, 9.3, 18.0], Trend.UNCLEAR),
+        ([990.0, 880.0], [500.0, 120.0], Trend.UNCLEAR),
+        ([10.0, 14.0], [3.0, 3.0], Trend.UNCLEAR),  # combined half-width 4.2
+        ([10.0, 14.5], [3.0, 3.0], Trend.RISES),
+        ([1.0, 2.0, 3.0], [math.nan, math.nan, math.nan], Trend.UNCLEAR),
+    ],
+)
+def test_course(means, half_widths, course):
+    assert course_of(means, half_widths) is course
+
+
+def scan_of_forces(directory, points, force_of):
+    """Write a scan whose forces on the bottom follow from the labels."""
+    scan = write_scan(directory, points)
+    for point in ScanResult(scan).points:
+        path = point.directory / "summary.json"
+        force = force_of(point.labels)
+        write_json(path, json.loads(path.read_text()) | {FORCE: force})
+    return means_of(ScanResult(scan)).sentence(FORCE)
+
+
+def noisy(mean, labels, spread):
+    """Return a mean with a deviation by seed: -spread, 0 and spread."""
+    return mean + spread * (labels["packing.seed"] - 2)
+
+
+def test_a_change_within_the_intervals_is_no_trend(tmp_path):
+    sentence = scan_of_forces(
+        tmp_path,
+        grid(packing__diameter_scatter=SCATTERS, packing__seed=[1, 2, 3]),
+        lambda labels: noisy(700 + 1e5 * labels["packing.diameter_scatter"], labels, 2.0),
+    )
+    assert "rises" not in sentence
+    assert sentence.endswith("This difference is within the 95 % confidence intervals.")
+
+
+def test_a_trend_names_the_settings_without_it(tmp_path):
+    """Friction lowers the force; at the largest scatter the intervals are wider than the change."""
+
+    def force_of(labels):
+        mean = 2000 - 1e8 * labels["packing.diameter_scatter"] - 300 * labels["contact.friction"]
+        return noisy(mean, labels, 200 if labels["packing.diameter_scatter"] == 10e-6 else 1)
+
+    points = grid(
+        packing__diameter_scatter=SCATTERS, contact__friction=[0.0, 0.3], packing__seed=[1, 2, 3]
+    )
+    sentence = scan_of_forces(tmp_path, points, force_of)
+    assert (
+        "It falls with diameter scatter and friction coefficient (within the 95 % confidence "
+        "intervals at 1 of 3 settings of the other keys)." in sentence
+    )
+
+
+def test_a_step_within_the_intervals_does_not_hide_a_trend(tmp_path):
+    means = {0.0: 1427.1, 2e-6: 1428.0, 5e-6: 1100.0, 10e-6: 880.0}
+    regular = [{"packing.diameter_scatter": 0.0, "packing.seed": 1}]
+    sentence = scan_of_forces(
+        tmp_path,
+        regular + grid(packing__diameter_scatter=SCATTERS, packing__seed=[1, 2, 3]),
+        lambda labels: noisy(
+            means[labels["packing.diameter_scatter"]],
+            labels,
+            20 if labels["packing.diameter_scatter"] else 0,
+        ),
+    )
+    assert "It falls with diameter scatter." in sentence
+
+
+def test_single_random_packings_have_no_trend_with_their_scatter(tmp_path):
+    """Each packing is another one; at different velocities the packing is the same."""
+    points = grid(packing__diameter_scatter=SCATTERS, load__velocity=[1.0, 5.0])
+    sentence = scan_of_forces(
+        tmp_path,
+        points,
+        lambda labels: 100 * labels["load.velocity"] + 1e6 * labels["packing.diameter_scatter"],
+    )
+    assert "It rises with impact velocity. Each random packing was run once" in sentence
+    assert "replicates" in sentence
+
+
+def test_exact_points_have_strict_trends(tmp_path):
+    sentence = scan_of_forces(
+        tmp_path,
+        grid(load__velocity=[1.0, 2.0, 4.0]),
+        lambda labels: 100 + 0.001 * labels["load.velocity"],
+    )
+    assert sentence.endswith("It rises with impact velocity.")
+
+
+def test_an_unfinished_collision_does_not_hide_the_restitution(tmp_path):
+    """The figure shows the known values; the sentence names the missing one and the reason."""
+    scan = write_scan(tmp_path, grid(load__velocity=[0.05, 1.0, 5.0, 20.0]))
+    for point in ScanResult(scan).points:
+        path = point.directory / "summary.json"
+        velocity = point.labels["load.velocity"]
+        touches = velocity == 0.05
+        write_json(
+            path,
+            json.loads(path.read_text())
+            | {
+                "n_spheres": 2,
+                "end_time_s": 5e-5,
+                "energy_elastic_J": 1e-6 if touches else 0.0,
+                "restitution": None if touches else 0.8 - 0.02 * velocity,
+            },
+        )
+    means = means_of(ScanResult(scan))
+    assert means.quantities()[0] == ("restitution", "restitution")
+    sentence = means.sentence("restitution")
+    assert sentence.startswith("Restitution: from 0.4 (impact velocity 20 m/s) to 0.78 ")
+    assert (
+        "It is unknown at 1 of 4 points (impact velocity 0.05 m/s), because the bodies still "
+        "touch at the end of the run (50 µs)" in sentence
+    )
+    columns = drawings(ScanResult(scan))["restitution_vs_load_velocity"].columns
+    assert list(columns["load.velocity_m_s"]) == [1.0, 5.0, 20.0]
