@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.series import (
     LINES,
     against_time,
+    are_relative,
     energy_unit,
     label,
     label_log_axis,
@@ -26,7 +27,7 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
-from granwave.analysis.formatting.numbers import instant
+from granwave.analysis.formatting.numbers import instant, quantity_in
 from granwave.analysis.measures.force_decay import BEFORE_END
 from granwave.analysis.measures.leading_wave import FirstWave, first_wave, known_peaks
 from granwave.analysis.measures.lines import sensor_forces
@@ -35,6 +36,7 @@ from granwave.analysis.result.reader import Result
 
 _KILO = 1e-3
 _MOST_CURVES = 5
+_ABOVE_ONE = 1.05  # end of the axis of relative forces
 _N_INSTANTS = 4
 _FRONT = 0.5  # fraction of the largest speed of a bead: earlier maxima are not the front
 _LEAST_SPEED = 1e-3  # fraction of the largest speed: beads that the front has reached
@@ -45,12 +47,15 @@ _WIDE_FORCES = 30.0  # largest over smallest value from which on an axis is loga
 
 
 def force_histories(result: Result) -> Drawing | None:
-    """Draw the force histories of some of the loaded contacts, evenly spaced along the chain."""
+    """Draw the force histories of some of the contacts that the wave reached, evenly spaced along
+    the chain. If their peaks differ much, each is divided by its peak, which the legend gives.
+    """
     if "chain" not in result:
         return None
     force = result["chain/contact_force"]
     time = result["chain/time"]
-    loaded = np.flatnonzero(force.max(axis=0, initial=0.0) > 0)
+    peaks = force.max(axis=0, initial=0.0)
+    loaded = np.flatnonzero((peaks > 0) & (peaks >= _LEAST_FORCE * peaks.max(initial=0.0)))
     if not len(loaded):
         return None
     chosen = np.unique(
@@ -58,11 +63,21 @@ def force_histories(result: Result) -> Drawing | None:
     )
     figure, axes = panels(2.9)
     scale, unit = _unit(force)
+    is_relative = are_relative(peaks[chosen])
     for n, line in zip(chosen, LINES, strict=False):
-        against_time(axes, time, force[:, n] * scale, line, label=_name(result, n), linewidth=0.9)
-    label(axes, y=f"Contact force ({unit})")
-    scale_by_peaks(axes, scale * force[:, chosen].max(axis=0))
-    legend_above(axes, 3, title="Contact")
+        name = _name(result, n)
+        size = scale
+        if is_relative:
+            name = f"{name}: {quantity_in(float(peaks[n]), 'N')}"
+            size = 1 / peaks[n] if peaks[n] > 0 else 0.0
+        against_time(axes, time, force[:, n] * size, line, label=name, linewidth=0.9)
+    if is_relative:
+        label(axes, y="Contact force / its peak", ylim=(0, _ABOVE_ONE))
+        legend_above(axes, 2, title="Contact: peak force")
+    else:
+        label(axes, y=f"Contact force ({unit})")
+        scale_by_peaks(axes, scale * peaks[chosen])
+        legend_above(axes, 3, title="Contact")
     return Drawing(
         figure, {"time_s": time} | {f"contact_{_name(result, n)}_N": force[:, n] for n in chosen}
     )

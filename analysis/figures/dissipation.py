@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.colouring import force_scale
 from granwave.analysis.figures.sections import spheres_beyond_law
@@ -228,8 +229,8 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
 
 def peak_force_depth(result: Result) -> Drawing | None:
     """Draw the decay of the peak force: largest of each layer with the law that is fitted to it, a
-    marker for each layer of contacts along the preferred directions, and bars over the range of
-    these directions.
+    marker for each layer of contacts along the preferred directions, at the depth of their lower
+    sphere, and bars over the range of these directions.
 
     The forces are those of the first wave. Layers whose largest force occurred when the reflection
     from the base may have arrived have hollow markers, and are not fitted. Under a load that keeps
@@ -260,7 +261,8 @@ def peak_force_depth(result: Result) -> Drawing | None:
     if n_rays > 1 and _have_lines(along.peak_force):
         arrival = np.interp(middle, depth, peaks.reflection)
         is_first = along.time_peak < arrival[:, None]
-        _mark_directions(axes, middle * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
+        lower = (np.arange(n_contacts) + 1.0) * pitch  # as the layers, whose peaks they are
+        _mark_directions(axes, lower * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
     is_pressed = has_static_forces(result)
     if is_pressed:
         total = "largest of the layer in the run, with static force"
@@ -268,10 +270,12 @@ def peak_force_depth(result: Result) -> Drawing | None:
     _draw_layers(axes, peaks, scale)
     decay = _draw_fit(axes, result, peaks, scale)
     _label_depths(axes, peaks, unit, is_pressed=is_pressed)
-    columns = {
+    columns: dict[str, ArrayLike] = {
         "layer_depth_m": depth,
         f"layer_peak_{name}": force / scale,
         "layer_peak_after_reflection": peaks.is_later.astype(int),
+        "layer_still_rises": _still_rising(peaks).astype(int),
+        "of_first_wave": [int(peaks.of_first_wave)],
         "contact_depth_m": middle,
     }
     if is_pressed:
@@ -282,6 +286,40 @@ def peak_force_depth(result: Result) -> Drawing | None:
         f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)
     }
     return Drawing(figure, columns)
+
+
+def words_on_depths(_: Result, table: Path) -> tuple[str, str]:
+    """Return caption and look of `peak_force_depth` of a run.
+
+    Parameters
+    ----------
+    table
+        Path of the data of the figure, CSV.
+    """
+    data = np.genfromtxt(table, delimiter=",", names=True, ndmin=1)
+    names = data.dtype.names or ()
+    look = ["A straight line is exponential."]
+    if "bead_depth_m" in names:
+        caption = (
+            "Peak force of the contacts between beads, and of the grains next to them, against "
+            "depth, excluding walls"
+        )
+        look.append("Beads that the wave has not reached are not drawn.")
+        later = data["bead_peak_after_reflection"]
+    else:
+        is_first = "of_first_wave" not in names or data["of_first_wave"][0] > 0
+        part = "first wave" if is_first else "run"
+        caption = f"Peak contact force of the {part} against depth, excluding walls"
+        later = data["layer_peak_after_reflection"]
+    if np.any(later > 0):
+        look.append("Squares: after a reflection.")
+    rising = [name for name in names if name.endswith("_still_rises")]
+    if any(np.any(data[name] > 0) for name in rising):
+        look.append("Crosses: still rising at the end.")
+    directions = [name for name in names if name.startswith("direction_")]
+    if len(directions) > 1 and np.any([data[name][1:2] > 0 for name in directions]):
+        look.append("Circles: contacts, at their lower sphere.")
+    return caption, " ".join(look)
 
 
 def _peak_force_of_beads(result: Result, is_bead: NDArray[np.bool_]) -> Drawing | None:
@@ -310,6 +348,7 @@ def _peak_force_of_beads(result: Result, is_bead: NDArray[np.bool_]) -> Drawing 
         "bead_depth_m": beads.depth,
         f"bead_peak_{name}": beads.largest / scale,
         "bead_peak_is_known": beads.is_known.astype(int),
+        "bead_still_rises": _still_rising(beads).astype(int),
         "bead_peak_after_reflection": beads.is_later.astype(int),
         "added_depth_m": added.depth,
         f"added_peak_{name}": added.largest / scale,
@@ -390,9 +429,7 @@ def _draw_layers(
     """
     depth = peaks.depth * _MILLI
     force = peaks.largest / scale
-    others = ~peaks.is_known & ~peaks.is_later & peaks.is_reached
-    passed = force[peaks.is_known | peaks.is_later]
-    others &= force > _LEAST_RISING * passed.min(initial=float(force.max(initial=0.0)))
+    others = _still_rising(peaks)
     marker = "." if len(depth) <= _MOST_MARKED else ""
     look: dict[str, Any] = {
         "color": BLUE, "markerfacecolor": "none", "markersize": 4, "zorder": 1.5
@@ -404,6 +441,16 @@ def _draw_layers(
     ):
         if np.any(chosen):
             axes.plot(depth[chosen], force[chosen], signs, label=text, **look)
+
+
+def _still_rising(peaks: LayerPeaks) -> NDArray[np.bool_]:
+    """Return True for layers whose force still rises at the end, and is not far below those of the
+    layers that the wave has passed: (n_layers,).
+    """
+    others = ~peaks.is_known & ~peaks.is_later & peaks.is_reached
+    passed = peaks.largest[peaks.is_known | peaks.is_later]
+    lowest = passed.min(initial=float(peaks.largest.max(initial=0.0)))
+    return others & (peaks.largest > _LEAST_RISING * lowest)
 
 
 def _wrapped(reason: str) -> str:

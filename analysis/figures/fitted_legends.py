@@ -5,6 +5,7 @@ above with a limited height.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import NamedTuple
 
 from matplotlib.axes import Axes
@@ -100,12 +101,10 @@ def _sizes(legend: Legend) -> list[float]:
 
 def _forms(n_entries: int, sizes: Sequence[float], most_columns: int) -> Iterator[list[_Form]]:
     """Iterate over the forms of a legend by font size."""
+    counts = range(min(most_columns, n_entries), 0, -1)
     for size in sizes:
-        yield [
-            _Form(size, n_columns, n_lines)
-            for n_columns in range(min(most_columns, n_entries), 0, -1)
-            for n_lines in range(_MOST_LINES + 1)
-        ]
+        pairs = product(counts, range(_MOST_LINES + 1))
+        yield [_Form(size, n_columns, n_lines) for n_columns, n_lines in pairs]
 
 
 def _best_above(axes: Axes, content: Content, sizes: Sequence[float]) -> _Form:

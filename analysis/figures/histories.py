@@ -31,6 +31,7 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
+from granwave.analysis.figures.user_axes import SOLID
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.target import unprotected
 from granwave.analysis.measures.target_record import reached
@@ -196,12 +197,12 @@ def bottom_force(result: Result) -> Drawing | None:
     against_time(axes, time, force, linewidth=0.8)
     axes.update_datalim([(0.0, 0.0)])  # a nearly constant force is not drawn on the frame
     axes.autoscale_view(scalex=False)
-    axes.set_ylabel("Force on the bottom (N)", color=BLUE)
+    axes.set_ylabel(f"Force on the bottom (N){SOLID}", color=BLUE)
     beside = axes.twinx()
     unit, name = _impulse_unit(float(np.abs(impulse).max(initial=0.0)))
     beside.plot(time * _MICRO, impulse * unit, color=ORANGE, linestyle="--")
     kind = "Dynamic impulse" if is_pressed else "Impulse"
-    beside.set_ylabel(f"{kind} ({name})", color=ORANGE)
+    beside.set_ylabel(f"{kind} ({name}), dashed", color=ORANGE)
     _common_zero(axes, beside)
     columns = {"time_s": time, "force_N": force, "impulse_Ns": record.impulse}
     if is_pressed:

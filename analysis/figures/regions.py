@@ -14,6 +14,7 @@ from granwave.analysis.figures.impact_arrow import impact_arrow
 from granwave.analysis.figures.series import (
     LINES,
     against_time,
+    are_relative,
     label,
     panels,
     scale_by_peaks,
@@ -21,6 +22,7 @@ from granwave.analysis.figures.series import (
 )
 from granwave.analysis.figures.style import GREY, ORANGE, Drawing, legend_above
 from granwave.analysis.figures.user_axes import user_figure
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.depths import ForceAtDepth, depth_range, forces_at_depths
 from granwave.analysis.measures.regions import (
     DISSIPATED,
@@ -29,6 +31,7 @@ from granwave.analysis.measures.regions import (
     energy_of_regions,
     usual_regions,
 )
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 
 logger = logging.getLogger(__name__)
@@ -37,6 +40,9 @@ _MICRO = 1e6  # microseconds in a second
 _MILLI = 1e3  # millimetres in a metre
 _KILO = 1e-3  # kilonewtons in a newton
 _LARGE = 1e4  # N from which on forces are in kN
+_ABOVE_ONE = 1.05  # end of the axis of relative forces
+_BOTTOM = "bottom"
+_REACHED = 1e-4  # fraction of the largest force: depths that the wave has reached
 _FEW = 60  # instants up to which each has a mark
 _LIGHT = 0.85  # part of the colour map: last depth
 _DEPTH_MAP = "viridis"
@@ -67,23 +73,54 @@ def force_at_depths(result: Result) -> Drawing | None:
     if not forces:
         return None
     figure, axes = panels(2.8)
-    largest = max(float(np.abs(part.force).max()) for part in forces)
-    scale, unit = (_KILO, "kN") if largest >= _LARGE else (1.0, "N")
+    curves = {f"{part.depth * _MILLI:.4g} mm": (part.time, part.force) for part in forces}
     columns: dict[str, ArrayLike] = {"time_s": forces[0].time}
-    for number, part in enumerate(forces):
-        name = f"{part.depth * _MILLI:.4g} mm"
-        against_time(axes, part.time, part.force * scale, label=name, **_look(number, forces))
-        columns[f"force_at_{part.depth * _MILLI:.4g}_mm_N"] = part.force
+    columns |= {f"force_at_{part.depth * _MILLI:.4g}_mm_N": part.force for part in forces}
+    looks = [_look(number, forces) for number in range(len(forces))]
     if "walls/bottom" in result:
         time = result["walls/bottom/time"]
         force = result["walls/bottom/force"]
-        against_time(axes, time, force * scale, color="black", linewidth=0.6, label="bottom")
+        curves[_BOTTOM] = (time, force)
+        looks.append({"color": "black", "linewidth": 0.6})
         columns |= {"bottom_time_s": time, "bottom_force_N": force}
+    _draw_forces(axes, curves, looks)
     time_axis(axes, result["energy/time"])
-    label(axes, y=f"Force through the plane ({unit})")
-    scale_by_peaks(axes, [scale * float(part.force.max()) for part in forces])
-    legend_above(axes, 3, title="Depth", handlelength=2.2)
     return Drawing(figure, columns)
+
+
+def _draw_forces(
+    axes: Axes, curves: dict[str, tuple[Array, Array]], looks: list[dict[str, Any]]
+) -> None:
+    """Draw forces against time, and label their axis. If their peaks differ much, each is divided
+    by its peak, which the legend gives.
+
+    Parameters
+    ----------
+    curves
+        Times, s, and forces, N, by name: (n_times,) each.
+    looks
+        Colours and lines of the curves.
+    """
+    peaks = {name: float(force.max(initial=0.0)) for name, (_, force) in curves.items()}
+    largest = max(float(np.abs(force).max(initial=0.0)) for _, force in curves.values())
+    scale, unit = (_KILO, "kN") if largest >= _LARGE else (1.0, "N")
+    of_planes = [peak for name, peak in peaks.items() if name != _BOTTOM]
+    is_relative = are_relative(of_planes)
+    for (name, (time, force)), look in zip(curves.items(), looks, strict=True):
+        text = name
+        size = scale
+        if is_relative:
+            is_reached = peaks[name] > _REACHED * largest
+            text = f"{name}: {quantity_in(peaks[name], 'N') if is_reached else 'not reached'}"
+            size = 1 / (peaks[name] if is_reached else largest)
+        against_time(axes, time, force * size, label=text, **look)
+    if is_relative:
+        label(axes, y="Force through the plane / its peak", ylim=(None, _ABOVE_ONE))
+        legend_above(axes, 2, title="Depth: peak force", handlelength=2.2)
+        return
+    label(axes, y=f"Force through the plane ({unit})")
+    scale_by_peaks(axes, [scale * peak for peak in of_planes])
+    legend_above(axes, 3, title="Depth", handlelength=2.2)
 
 
 def _look(number: int, forces: list[ForceAtDepth]) -> dict[str, Any]:

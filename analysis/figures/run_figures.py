@@ -57,6 +57,9 @@ class RunFigure:
         only on request.
     needs
         Runs that have the figure, in words; empty: the caption says enough.
+    words
+        Function of a result and of the path of the table of the figure, which returns caption and
+        look of the figure of this run; None: they are the same for all runs.
     """
 
     caption: str
@@ -66,6 +69,7 @@ class RunFigure:
     takes_long: bool = False
     adds: Callable[[Result], bool] | None = None
     needs: str = ""
+    words: Callable[[Result, Path], tuple[str, str]] | None = None
 
     def answers(self, result: Result) -> bool:
         """Return True unless it repeats other figures of this result."""
@@ -86,10 +90,9 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
      "Bright lines are chains that carry the wave. White: no force."),
     ("peak_force_depth", dissipation.peak_force_depth,
-     "Peak contact force of the first wave, or of a run under an oscillating load, against depth, "
-     "excluding walls",
-     "A straight line is an exponential decay. Squares: larger after a reflection. Crosses: still "
-     "rising at the end, or not reached. Circles are at the depth of contacts."),
+     "Peak contact force of the first wave against depth, excluding walls",
+     "A straight line is exponential. Squares: after a reflection. Crosses: still rising. Circles: "
+     "contacts, at their lower sphere."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "Coloured: the extent of the plastic zone. White: no dissipation."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
@@ -108,7 +111,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "All yielded spheres are counted. If the curves are constant at the end, the zone is "
      "complete; if they rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
-     "Size of the plastic zone: plastic dissipation beyond a distance",
+     "Size of the plastic zone: plastic dissipation beyond a depth, and beyond a radius about the "
+     "impact axis",
      "The curves reach 0.1 at the 90 % depth and radius. The horizontal axis ends where less "
      "than 1e-5 of the total is beyond."),
     ("energies", histories.energies, "Energies and the error of their balance",
@@ -128,13 +132,14 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("probes", histories.probes, "Probes",
      "The delay between curves gives the wave speed, and the height of the peaks gives the decay."),
     ("wave_front", sections.wave_front, "Wave front",
-     "The edge of the coloured region is the wave front; its speed depends on the direction. "
-     "White: no force at this time."),
+     "The edge of the coloured region is the front: there forces pass 10 % of their peaks. White: "
+     "not reached, or no force."),
     ("force_map", force_map.force_map, "Contact force in space and time",
      "A wave is an inclined line; its slope gives the speed, fading colours show decay, and a "
      "reversal is a reflection."),
     ("force_histories", chains.force_histories, "Forces of individual contacts",
-     "Equal successive pulses are a steady wave; pulses that become lower and longer lose energy."),
+     "Equal pulses are a steady wave. If the peaks differ much, each curve is divided by its peak "
+     "in the legend."),
     ("along_chain", chains.along_chain, "Peak force of the first wave above the static force, "
         "and dissipation, along the chain; crosses: larger forces later in the run",
      "Constant values: no decay. Open circles: a larger pulse may follow, after the reflection or "
@@ -173,7 +178,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "The lower edge of the colours is the front. White: slower than one thousandth of the largest "
      "speed before the front arrives."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
-     "The delay between the curves gives the speed of the wave, and their heights give its decay."),
+     "Delays give the speed, peaks the decay. If the peaks differ much, each curve is divided by "
+     "its peak in the legend."),
     ("energy_by_region", regions.energy_by_region, "Energy in regions of the packing",
      "A region gains energy when its area grows; the sum of all areas is the energy input."),
 )  # fmt: skip
@@ -192,6 +198,8 @@ FIXED_PLANES = ("_principal", "_orthogonal")
 _LONG = ("wave_front", "directions")
 #: Figures of the core that repeat others of some runs.
 _ADDS = {"target": histories.target_moves}
+#: Words for figures of the core that depend on the run.
+_WORDS = {"peak_force_depth": dissipation.words_on_depths}
 _CHAINS = "a chain"
 #: Runs that have a figure of the core, for those that not all runs have.
 _NEEDS = {
@@ -226,6 +234,7 @@ def _figures() -> Iterator[tuple[str, RunFigure]]:
                     takes_long=name in _LONG,
                     adds=adds,
                     needs=_NEEDS.get(name, ""),
+                    words=_WORDS.get(name),
                 ),
             )
             continue

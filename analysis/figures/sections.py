@@ -7,6 +7,7 @@ contact loaded beyond the range of the law have a ring around them.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -39,7 +40,7 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures.geometry import Plane, SpheresOnPlane, own_plane, planes, section
-from granwave.analysis.measures.waves import passage
+from granwave.analysis.measures.waves import front_arrivals, passage
 from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
@@ -98,7 +99,8 @@ def dents_section(result: Result, name: str) -> Drawing | None:
 
 def wave_front(result: Result) -> Drawing | None:
     """Draw the forces on the spheres of the principal plane, in which spheres touch, at four times
-    while the wave travels down.
+    while the wave travels down. Spheres that the front has not reached are white, see
+    `reached_by_front`.
     """
     cut = cut_of(result, "principal") or cut_of(result, "orthogonal")
     chosen = _snapshots(result)
@@ -106,8 +108,12 @@ def wave_front(result: Result) -> Drawing | None:
         return None
     scale, label, column = force_scale(result)
     radius = result["spheres/radius"][cut.index]
-    forces = [result.frame(number, "contact_force")[cut.index] / scale for number in chosen]
     times = [float(result.frame_times[number]) for number in chosen]
+    is_reached = reached_by_front(result, times)
+    forces = [
+        np.where(behind, result.frame(number, "contact_force"), 0.0)[cut.index] / scale
+        for number, behind in zip(chosen, is_reached, strict=True)
+    ]
     largest = max(float(force.max()) for force in forces)
     if largest == 0:
         return None
@@ -125,7 +131,9 @@ def wave_front(result: Result) -> Drawing | None:
         axes.set_visible(False)
     figure.supxlabel(across_title(cut.plane), fontsize=8)
     figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
-    colour_bar(figure, panels + empty_panels, colouring, np.concatenate(forces), location="top")
+    blank = "0" if result.case.precompression else "not reached, or 0"
+    values = np.concatenate(forces)
+    colour_bar(figure, panels + empty_panels, colouring, values, location="top", blank=blank)
     trim_height(figure, panels + empty_panels)
     repeat = len(chosen)
     columns = {
@@ -136,6 +144,24 @@ def wave_front(result: Result) -> Drawing | None:
         column: np.concatenate(forces),
     }
     return Drawing(figure, columns)
+
+
+def reached_by_front(result: Result, times: Sequence[float]) -> list[NDArray[np.bool_]]:
+    """Return, for each time, s, True for the spheres that the wave front has reached: (n_spheres,).
+
+    The front is at a sphere when the force of a contact first passes 10 % of its largest value, for
+    contacts with at least 10 % of the largest force of the sphere, and not before it is at the
+    layer of the sphere as in `granwave.analysis.measures.waves.front_arrivals`. Ahead of it forces
+    are far smaller, but not zero. If contacts are loaded from the start, all spheres count.
+    """
+    if result.case.precompression is not None:
+        return [np.ones(result.n_spheres, dtype=bool) for _ in times]
+    depth, front = front_arrivals(result)
+    own = result["spheres/position"][:, 2] - result.origin[2]
+    middles = 0.5 * (depth[1:] + depth[:-1])
+    arrival = np.fmax(result["spheres/time_first"], front[np.searchsorted(middles, own)])
+    arrival[np.isnan(result["spheres/time_first"])] = np.inf
+    return [arrival <= time for time in times]
 
 
 def _aspect(window: tuple[float, float, float, float]) -> float:

@@ -10,6 +10,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
+from contextvars import ContextVar
 from typing import Any, cast
 
 import matplotlib as mpl
@@ -57,6 +58,7 @@ _ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
 _VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
 _TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
 _WIDE_PEAKS = 30.0  # largest / smallest peak of the curves of a logarithmic axis
+_UNREADABLE = 4.0  # largest / smallest peak from which on each curve is divided by its peak
 _ERRORS_SHOWN = 1e4  # largest over smallest error on the axis of the energies
 _LEAST_PEAK = 1e-4  # fraction of the largest peak: curves that the wave reached
 _BELOW_PEAKS = 4.0  # smallest peak / start of that axis
@@ -192,6 +194,36 @@ def scale_by_peaks(axes: Axes, peaks: ArrayLike) -> None:
     axes.set_yscale("log")
     axes.set_ylim(values.min() / _BELOW_PEAKS, values.max() * _ABOVE_PEAKS)
     label_log_axis(axes, _BELOW_PEAKS * values.max() / values.min())
+
+
+_overlaid: ContextVar[bool] = ContextVar("curves of another run are drawn over", default=False)
+
+
+@contextlib.contextmanager
+def drawn_over() -> Iterator[None]:
+    """Draw figures over which curves of another run are drawn: curves have one common unit."""
+    token = _overlaid.set(True)
+    try:
+        yield
+    finally:
+        _overlaid.reset(token)
+
+
+def are_relative(peaks: ArrayLike) -> bool:
+    """Return True for curves whose peaks differ so much that the lowest could not be read on a
+    common axis: each is divided by its own peak. Curves that the wave has not reached do not count.
+
+    Curves over which those of another run are drawn are never divided, see `scale_by_peaks`.
+
+    Parameters
+    ----------
+    peaks
+        Largest values of the curves: (n_curves,).
+    """
+    values = np.asarray(peaks, dtype=np.float64)
+    values = values[values > _LEAST_PEAK * values.max(initial=0.0)]
+    is_wide = len(values) > 0 and values.max() > _UNREADABLE * values.min()
+    return bool(is_wide) and not _overlaid.get()
 
 
 def legend_outside(figure: Figure, ncols: int, **options: Any) -> None:

@@ -13,6 +13,7 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotParams
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from granwave.lammps_inputs.errors import InputError
 _OTHER_LINE = "--"  # line style of another run
 _OTHER_MARKER = "x"  # marker of its points that no line joins
 _OTHER_ALPHA = 0.7
+SOLID = ", solid"  # end of the label of an axis with a second axis: style of its curve
 _FONT = 8  # font size of legends, points
 _SMALLEST = 5.0  # smallest font size of legends, points
 _WIDEST = 0.97  # width of a legend above the axes / width of the figure
@@ -194,7 +196,7 @@ def _is_in_place(axes: Axes) -> bool:
     place = axes.get_subplotspec()
     assert figure is not None and place is not None
     set_sides = [getattr(figure.subplotpars, side) for side in _SIDES]
-    usual = [rcParams[f"figure.subplot.{side}"] for side in _SIDES]
+    usual = [getattr(SubplotParams(), side) for side in _SIDES]
     expected = place.get_position(figure).bounds
     is_there = np.allclose(axes.get_position(original=True).bounds, expected)
     return set_sides == usual and is_there
@@ -354,8 +356,11 @@ def _own_first(axes: Axes, name: str) -> tuple[list[Any], list[str]]:
 
 
 def _uncolour(axes: Axes) -> None:
-    """Give an axis the usual colours, which are of its curve next to a second axis."""
+    """Give an axis the usual colours, which are of its curve next to a second axis, and its label
+    without the style of this curve.
+    """
     axes.yaxis.label.set_color(rcParams["axes.labelcolor"])
+    axes.set_ylabel(axes.get_ylabel().removesuffix(SOLID))
     axes.tick_params(axis="y", colors=rcParams["ytick.color"])
 
 

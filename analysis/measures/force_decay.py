@@ -380,6 +380,25 @@ def layer_peaks(result: Result, grains: NDArray[np.bool_] | None = None) -> Laye
     )
 
 
+def spheres_of_later_waves(
+    result: Result, peaks: LayerPeaks, layer: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Return True for spheres whose largest force may be of a later wave than the first, or still
+    rises at the end of the run: (n_spheres,).
+
+    Parameters
+    ----------
+    peaks
+        Of the layers.
+    layer
+        Layer of each sphere: (n_spheres,).
+    """
+    last = BEFORE_END * float(result["energy/time"][-1])
+    since = np.minimum(peaks.reflection, last)[layer]
+    each = np.arange(result.n_spheres)
+    return ~peaks.is_known[layer] | _peaks_since(result, each, dynamic_peak_forces(result), since)
+
+
 def _awaits_larger_pulse(
     result: Result, layer: NDArray[np.int64], largest: Array, reflection: Array | None
 ) -> NDArray[np.bool_]:

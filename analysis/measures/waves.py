@@ -21,6 +21,7 @@ from granwave.analysis.measures.signals import Array, arrivals
 from granwave.analysis.measures.target_record import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.packing.motion import velocities_of
 
 AXIS_ANGLE = 15.0  # degrees around the direction of a contact that belong to it
 LAYER_BINS = 72  # bins of 5 degrees
@@ -148,6 +149,17 @@ def is_layer(result: Result) -> bool:
         np.ptp(result["spheres/position"][result.in_packing, 2])
         < _ONE_LAYER * result.case.packing.diameter
     )
+
+
+def stays_in_layer(result: Result) -> bool:
+    """Return True for a packing of one layer whose load acts in its plane: nothing moves towards
+    the bottom.
+    """
+    along_z = [velocity[2] for velocity in velocities_of(result.assembly).values()]
+    load = result.case.load
+    if load.driven or not along_z:
+        along_z.append(load.way[2])
+    return is_layer(result) and not np.any(along_z)
 
 
 def energy_of_spheres(result: Result, frame: int) -> Array:

@@ -23,7 +23,7 @@ def is_unresolved(summary: Mapping[str, Any]) -> bool:
 
 
 def error_of(name: str, summary: Mapping[str, Any]) -> float | None:
-    """Return the uncertainty of the dissipated fraction or energy if it is large; None otherwise."""
+    """Return the uncertainty of the dissipated fraction or energy if it is large, else None."""
     error = summary.get(ERROR)
     fraction = summary.get(FRACTION)
     if not error or not fraction or error <= _NOTED * fraction:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 import html
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -488,7 +488,7 @@ class Run(Values):
             run_figures,
             why_not_drawn,
         )
-        from granwave.analysis.figures.series import draw_axes, no_figure
+        from granwave.analysis.figures.series import draw_axes, drawn_over, no_figure
         from granwave.analysis.figures.user_axes import (
             UserFigure,
             add_curves,
@@ -511,12 +511,13 @@ class Run(Values):
         into: list[Axes] = []
         if ax is not None:
             into = list(np.ravel(np.array(ax, dtype=object)))
-        with self._options(plane, depths) as options:
+        over = nullcontext() if against is None else drawn_over()
+        with self._options(plane, depths) as options, over:
             axes = draw_axes(lambda: figure.draw(self.result), options.width, into)
         if axes is None:
             raise MissingDataError(f"{self.name}: figure {name} {why_not_drawn(name)}")
         if against is not None:
-            with against._options(plane, depths):
+            with against._options(plane, depths), drawn_over():
                 drawing = figure.draw(against.result)
             others = [] if drawing is None else plots_of(drawing.figure)
             names = [self.name, against.name]

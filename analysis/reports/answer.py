@@ -72,7 +72,7 @@ _SENTENCES = (
     "The peak force on the ground below it was {ground_bore}.",
     "The wave speed was {along_chain}.",
     "The wave speed along the beads was {along_beads} in the deeper half.",
-    "The speed of the crest of the wave along the beads was {crest_along_beads} in the deeper half.",
+    "The speed of the wave crest along the beads was {crest_along_beads} in the deeper half.",
     "The peak force between beads {decay_of_beads}.",
     "The peak force between beads above the static force {dynamic_decay_of_beads}.",
     "It {fit_of_beads}.",
@@ -94,8 +94,9 @@ _SENTENCES = (
 _ALONG_LINE = "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}."
 _ONE_DECAY = "Its peak speed decays by {{line_{0}_decay_per_m}}."
 _TWO_DECAYS = (
-    "Its peak speed decays by {{line_{0}_decay_first_per_m}} up to {{line_{0}_decay_border_m}} from "
-    "its first grain, and by {{line_{0}_decay_second_per_m}} beyond."
+    "Its peak speed decays by {{line_{0}_decay_first_per_m}} up to "
+    "{{line_{0}_decay_border_m}} from its first grain, and by "
+    "{{line_{0}_decay_second_per_m}} beyond."
 )
 _SAME_DECAY = 0.1  # relative difference of two rates that are given as one
 _SENSORS = (  # values of the sensors with the largest and smallest signal, with their names

@@ -25,8 +25,10 @@ from granwave.analysis.formatting.values import as_label, grains_called_in
 from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
+from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.figures import FILM_FORMATS
+from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import (
     FIGURES_DIRECTORY,
@@ -183,6 +185,20 @@ def _look(item: ReportRun | ReportScan, name: str) -> str:
     return run_figures()[name].look if name in run_figures() else ""
 
 
+def _words_of_run(item: ReportRun | ReportScan, name: str, table: Path) -> tuple[str, str] | None:
+    """Return caption and look of a figure of a run that depend on the run; None for other figures,
+    and if the result or the table of the figure cannot be read.
+    """
+    figure = run_figures().get(name)
+    if figure is None or figure.words is None or not isinstance(item, ReportRun):
+        return None
+    try:
+        with Result(item.results) as result:
+            return figure.words(result, table)
+    except (GranwaveError, OSError, KeyError, ValueError, IndexError):
+        return None
+
+
 def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tuple[str, str]:
     """Return the caption of a figure from the name of its file, and, ``in_words``, from the
     quantity and the key of a figure of a scan.
@@ -303,10 +319,13 @@ def _picture(
         [item] if isinstance(item, ReportRun) else [point.run for point in item.points if point.run]
     )
     called = grains_called_in(run.summary for run in runs)
-    caption, said = _caption(item, path.stem, in_words=in_words)
-    caption = in_grains(caption, called)
-    look = in_grains(_look(item, path.stem), called)
     data = path.with_suffix(".csv")
+    caption, said = _caption(item, path.stem, in_words=in_words)
+    look = _look(item, path.stem)
+    if own := _words_of_run(item, path.stem, data):
+        caption, look = own
+    caption = in_grains(caption, called)
+    look = in_grains(look, called)
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory
     alt = f"{caption}: {what}"

@@ -73,6 +73,7 @@ from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _IN_TITLE = 3  # most names in the title
+_TIGHT = 1e-3  # largest accepted error of a balance that badges do not state
 #: Notes on runs, before their names.
 _REFUSED = "Rejected: energy balance error too large"
 _POOR = "Energy balance error too large, do not use (up to {off} of the input, more than {most})"
@@ -277,7 +278,7 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
     balanced = [run for run in runs if run.has_balance]
     if balanced:
         tones = [verdict(run)[1] for run in balanced]
-        closed = "energy balance closed"
+        closed = _closed(balanced)
         if "bad" in tones or "note" not in tones:
             poor = tones.count("bad")
             badges.append(
@@ -305,6 +306,14 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
             )
         )
     return tuple(badges)
+
+
+def _closed(runs: Sequence[ReportRun]) -> str:
+    """Return the text of an energy balance that is accepted, with the bound if it is large."""
+    bound = max(run.accepted_error for run in runs)
+    if bound <= _TIGHT:
+        return "energy balance closed"
+    return f"energy balance within {show(100 * bound)} %"
 
 
 def _badge(count: int, total: int, good: str, bad: str, tone: Tone, section: str) -> Badge:

@@ -55,9 +55,9 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
 
     For each numeric key of three values or more: ``QUANTITY_vs_KEY``, with curves by the other
     keys. If nothing changes along such a key: bars for each value of the category with most values,
-    or curves over keys of two values. If velocity and material vary, and the normalised axis has three
-    values: ``collapse_QUANTITY``, on normalised axes. If exactly two numeric keys vary and fill a grid of three by three or more:
-    ``dissipated_fraction_map``.
+    or curves over keys of two values. If velocity and material vary, and the normalised axis has
+    three values: ``collapse_QUANTITY``, on normalised axes. If exactly two numeric keys vary and
+    fill a grid of three by three or more: ``dissipated_fraction_map``.
 
     Quantities without variation in any curve have no figure: a quantity that is constant, or zero
     at some points of a curve and constant elsewhere.

@@ -35,7 +35,7 @@ from granwave.analysis.scans.table import (
     physical,
     scan_statistics,
 )
-from granwave.analysis.scans.trends import SAME, Course, course_of, significant_steps
+from granwave.analysis.scans.trends import SAME, Trend, course_of, significant_steps
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
@@ -56,7 +56,7 @@ _MAIN = (
     "n_plastic_spheres",
 )
 _OF_ZONE = ("n_plastic_", "plastic_zone_", "zone_")  # names of values of the plastic zone
-_OF_PACKING = ("packing.", "striker.", "replace.")  # keys whose values change a random packing
+_OF_PACKING = ("packing.", "striker", "replace")  # keys whose values change a random packing
 _RESTITUTION = "restitution"
 _MOST_MISSING = 3  # most points without a value that a sentence names
 _SINGLE = (
@@ -246,18 +246,18 @@ class Means:
                 keys_of_trend.setdefault(trend, []).append(label + _reservation(courses))
         return [
             f"{word} with {' and '.join(keys_of_trend[word])}"
-            for word in (Course.RISES, Course.FALLS)
+            for word in (Trend.RISES, Trend.FALLS)
             if word in keys_of_trend
         ]
 
-    def _courses(self, main: str, n: int) -> list[Course]:
+    def _courses(self, main: str, n: int) -> list[Trend]:
         """Return the courses of a quantity along the n-th key at fixed other keys, without constant
         ones.
         """
         key = self.keys[n]
         if not key.numeric:
             return []
-        is_varied = key.name.startswith(_OF_PACKING)
+        is_varied = is_of_packing(key.name)
         courses = []
         for line in self.lines_along(n):
             rows = [row for row in line if self.values[main][row] is not None]
@@ -265,7 +265,7 @@ class Means:
             widths = [self._half_width(main, row, is_varied=is_varied) for row in rows]
             if rows:
                 courses.append(course_of(values, widths))
-        return [course for course in courses if course is not Course.CONSTANT]
+        return [course for course in courses if course is not Trend.CONSTANT]
 
     def text(self, name: str, row: int) -> str:
         """Return a mean with its interval, if it has one."""
@@ -361,36 +361,41 @@ def _single_packings(
 
     Points that differ in other keys than those of the packing are alike, and are read once.
     """
-    of_packing = [name for name in names if name.startswith(_OF_PACKING)]
+    of_packing = [name for name in names if is_of_packing(name)]
     known: dict[tuple[Any, ...], bool] = {}
     single = []
     for group in groups:
         point = group[0]
         setting = tuple(point.labels.get(name) for name in of_packing)
         if len(group) == 1 and setting not in known:
-            known[setting] = _has_random_packing(point)
+            known[setting] = has_random_packing(point.directory or Path())
         single.append(len(group) == 1 and known[setting])
     return tuple(single)
 
 
-def _has_random_packing(point: PointResult) -> bool:
-    """Return True if the packing of a point depends on the seed; False if its case is unknown."""
+def has_random_packing(directory: Path) -> bool:
+    """Return True if the packing of a run depends on the seed; False if its case is unknown."""
     try:
-        return is_random(read_stored_case((point.directory or Path()) / CASE_FILE))
+        return is_random(read_stored_case(directory / CASE_FILE))
     except (InputError, OSError):
         return False
+
+
+def is_of_packing(key: str) -> bool:
+    """Return True for a key of a case whose values change a random packing."""
+    return key.startswith(_OF_PACKING)
 
 
 def _reason(summary: Mapping[str, Any]) -> str:
     """Return the reason for an unknown restitution: bodies that touch at the end of a collision;
     empty if it is known, or for other runs.
     """
-    stored = summary.get("energy_elastic_J")
-    given = summary.get("energy_input_J")
-    end = summary.get("end_time_s")
+    names = ("energy_elastic_J", "energy_input_J", "end_time_s")
+    numbers = [float(summary[name]) for name in names if is_number(summary.get(name))]
     is_unknown = is_collision(summary) and summary.get(_RESTITUTION) is None
-    if not is_unknown or not (is_number(stored) and is_number(given) and is_number(end)):
+    if not is_unknown or len(numbers) < len(names):
         return ""
+    stored, given, end = numbers
     if stored <= TOUCHING_ENERGY * given:
         return ""
     return (
@@ -398,19 +403,19 @@ def _reason(summary: Mapping[str, Any]) -> str:
     )
 
 
-def _trend(courses: Sequence[Course]) -> Course | None:
+def _trend(courses: Sequence[Trend]) -> Trend | None:
     """Return the common direction of courses, of which some may change within their intervals;
     None without one.
     """
-    directions = set(courses) - {Course.UNCLEAR}
-    if directions in ({Course.RISES}, {Course.FALLS}):
+    directions = set(courses) - {Trend.UNCLEAR}
+    if directions in ({Trend.RISES}, {Trend.FALLS}):
         return directions.pop()
     return None
 
 
-def _reservation(courses: Sequence[Course]) -> str:
+def _reservation(courses: Sequence[Trend]) -> str:
     """Return a clause on the courses that change within their intervals; empty without these."""
-    unclear = courses.count(Course.UNCLEAR)
+    unclear = courses.count(Trend.UNCLEAR)
     if not unclear:
         return ""
     return (

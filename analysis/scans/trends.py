@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 SAME = 1e-6  # relative difference of values that count as equal
 
 
-class Course(StrEnum):
-    """Course of a mean along a line of points."""
+class Trend(StrEnum):
+    """Trend of a mean along a line of points."""
 
     RISES = "rises"
     FALLS = "falls"
@@ -26,7 +26,7 @@ class Course(StrEnum):
     UNCLEAR = "unclear"  # changes within the intervals
 
 
-def course_of(means: Sequence[float], half_widths: Sequence[float]) -> Course:
+def course_of(means: Sequence[float], half_widths: Sequence[float]) -> Trend:
     """Return the course of means in the order of their abscissae.
 
     Parameters
@@ -37,14 +37,14 @@ def course_of(means: Sequence[float], half_widths: Sequence[float]) -> Course:
     values = np.array(means, dtype=float)
     largest = float(np.abs(values).max(initial=0.0))
     if np.ptp(values) <= SAME * largest:
-        return Course.CONSTANT
+        return Trend.CONSTANT
     steps = significant_steps(values, np.array(half_widths, dtype=float))
     if (steps > 0).any() and (steps < 0).any():
-        return Course.MIXED
+        return Trend.MIXED
     ends = steps[0, -1]
     if ends > 0:
-        return Course.RISES
-    return Course.FALLS if ends < 0 else Course.UNCLEAR
+        return Trend.RISES
+    return Trend.FALLS if ends < 0 else Trend.UNCLEAR
 
 
 def significant_steps(

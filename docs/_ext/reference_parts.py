@@ -71,7 +71,7 @@ def _indexed(name: str, anchor: str) -> str:
 
 
 def _entry(table: KeyTable, key: Key) -> str:
-    anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-")
+    anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-").lower()
     unit = f" in {printed_unit(key.unit)}" if key.unit else ""
     facts = [
         f"Accepts {_escape(key.accepts)}.",
@@ -130,7 +130,7 @@ def _table_of(shown: Sequence[Quantity], *, searched: bool = False) -> str:
         what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
         name = f"`{entry.name}`"
         if searched and "*" not in entry.name:
-            anchor = entry.name.replace("_", "-")
+            anchor = entry.name.replace("_", "-").lower()
             name = f"{_indexed(entry.name, anchor)}[{name}]{{#{anchor}}}"
         rows.append(f"| {name} | {printed_unit(entry.unit)} | {_escape(what)} |")
     return "\n".join(["| value | unit | meaning |", "|---|---|---|", *rows])

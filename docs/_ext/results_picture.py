@@ -17,6 +17,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from PIL import Image
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, style
@@ -201,11 +202,16 @@ def draw(
         if letters:
             _letters(panels, kinds, suites, far_off(stored))
         figure.text(0.5, 0.1 / height, _ABSCISSA, ha="center", fontsize=8)
-        picture = io.BytesIO()
-        figure.savefig(picture, format="png", dpi=200)
-        plt.close(figure)
+        save(figure, path, digest(stored, labels))
+
+
+def save(figure: Figure, path: Path, digest_shown: str) -> None:
+    """Save a picture with the digest of the values that it shows, and close it."""
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", dpi=200)
+    plt.close(figure)
     exif = Image.Exif()
-    exif[_DESCRIPTION] = digest(stored, labels)
+    exif[_DESCRIPTION] = digest_shown
     file = io.BytesIO()
     Image.open(picture).convert("RGB").save(
         file, path.suffix[1:], quality=80, method=6, optimize=True, exif=exif

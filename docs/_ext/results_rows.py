@@ -38,8 +38,12 @@ def beyond(row: Row) -> float:
     if not row.bound or row.ours is None or not row.source:
         return 0.0
     over = abs(row.ours / row.source) - 1
-    lower = any(words in f"{row.quantity} {row.remark}" for words in _LOWER)
-    return max(-over if lower else over, 0.0)
+    return max(-over if is_lower_bound(row) else over, 0.0)
+
+
+def is_lower_bound(row: Row) -> bool:
+    """Return True if the quantity or the remark of a row calls its bound a lower bound."""
+    return any(words in f"{row.quantity} {row.remark}" for words in _LOWER)
 
 
 def flagged(row: Row) -> Row:

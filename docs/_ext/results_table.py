@@ -19,6 +19,7 @@ from typing import Any
 
 import results_coverage
 import results_picture
+import results_values_picture
 from results_chosen import CHOSEN, IN_PAPER, LABELS, MEASURED, MORE
 from results_rows import (
     KINDS,
@@ -122,6 +123,7 @@ def write_pages(stored: Mapping[str, Any]) -> None:
         picture = PAGES / f"{name}.webp"
         if labels and is_stale(picture, part, labels):
             results_picture.draw(part, labels, picture, letters=False)
+    results_values_picture.write_stale(stored, PAGES)
     results_coverage.write_page(stored)
     for page, table in tables_elsewhere(stored).items():
         text = with_block(page.read_text(encoding="utf-8"), table)
@@ -241,6 +243,8 @@ def _first_page(stored: Mapping[str, Any]) -> str:
 *Each point is one of {len(shown)} compared values: the relative difference between granwave and its reference, on a
 logarithmic axis. Full symbols: granwave is larger; open symbols: granwave is smaller. The grey area begins at 10 %. Points at an
 edge lie beyond the axis. Rows with only a bound or without a reference are left out. The letters are explained below.*
+
+{counts_in_words(stored)}
 
 ## Headline comparisons
 
@@ -362,9 +366,9 @@ def _suite_page(name: str, suite: Mapping[str, Any]) -> str:
     text, _ = markdown(cleaned(tidied(Report(suite["title"], lead, tuple(sections)))), "")
     title, _, rest = text.partition("\n")
     head = f"{title}\n\n[{_TITLE}](../results.md) explains the kinds of rows.\n"
-    picture = ""
+    picture = results_values_picture.text_of(name, suite)
     if results_picture.by_study(suite)[1]:
-        picture = f"\n![{_PICTURE_TEXT}]({name}.webp)\n\n{_PICTURE_CAPTION}\n"
+        picture += f"\n![{_PICTURE_TEXT}]({name}.webp)\n\n{_PICTURE_CAPTION}\n"
     return f"{head}{picture}{_VERIFICATION.sub(_folded, rest)}"
 
 

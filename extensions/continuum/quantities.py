@@ -19,22 +19,24 @@ QUANTITIES = (
              note="Elements times steps, divided by wall time."),
     Quantity("energy_punch_J", "Energy of the punch", note="Kinetic energy of the punch at the "
         "end."),
-    Quantity("dissipated_fraction_error", "Uncertainty of the dissipated fraction", short="uncertainty",
-             digits=".2g", phrase="{} of the input",
-             note="For a block: the dissipated fraction divided by the root of zone_elements_90, and "
-                  "the error of the energy balance, added in quadrature.", after="dissipated_fraction"),
+    Quantity("dissipated_fraction_error", "Uncertainty of the dissipated fraction",
+             short="uncertainty", digits=".2g", phrase="{} of the input",
+             note="For a block: the dissipated fraction divided by the root of zone_elements_90, "
+                  "and the error of the energy balance, added in quadrature.",
+             after="dissipated_fraction"),
     Quantity("zone_elements_90", "Elements of the plastic zone", short="zone, elements", digits="d",
              phrase="{} with 90 % of the plastic dissipation",
              note="Number of elements that contain 90 % of the plastic dissipation, added in "
                   "descending order of energy per volume."),
     Quantity("zone_resolved", "Plastic zone resolved",
-             note="True if zone_elements_90 is at least 16: then the mesh resolves the size and the energy of "
+             note="True if zone_elements_90 is at least 16: then the mesh resolves the energy of "
                   "the plastic zone to 25 % or better. None if nothing yielded."),
     Quantity("artificial_viscosity_fraction", "Fraction dissipated by artificial viscosity",
              short="artificial viscosity", digits=".3g", phrase="{} of the input",
-             note="Energy dissipated by the artificial viscosity of the elements of a block until the end, "
-                  "relative to the energy input. The viscosity damps radiated waves, so that the fraction "
-                  "grows as long as the run continues.", after="dissipated_fraction_error"),
+             note="Energy dissipated by the artificial viscosity of the elements of a block until "
+                  "the end, relative to the energy input. The viscosity damps radiated waves, so "
+                  "that the fraction grows as long as the run continues.",
+             after="dissipated_fraction_error"),
     Quantity("energy_viscous_J", "Viscous energy", note="Energy dissipated by the artificial "
                                                         "viscosity "
         "of the elements."),
@@ -153,7 +155,8 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 CONTINUUM_ROWS = _quantities(
     "n_elements", _changed("end_time_s", digits=".4g"), "end_reason", "n_steps", "energy_input_J",
     "energy_input_normalised", _changed("dissipated_fraction", phrase="{} of the input, "
-        "plastically"), "dissipated_fraction_error", "artificial_viscosity_fraction", "energy_balance_error", "zone_elements_90",
+        "plastically"), "dissipated_fraction_error",
+    "artificial_viscosity_fraction", "energy_balance_error", "zone_elements_90",
     "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m", "plastic_zone_radius_m",
     "max_overlap_m", _changed("max_force_N", short="force at this "
         "overlap"), "contact_radius_m", "force_deviation_max_percent",

@@ -28,8 +28,8 @@ _NUMERICAL = {
     "damping": "damping",
 }
 _LOOKS = {
-    "plastic_strain": "The coloured region is the plastic zone; a small zone is shown alone, at the "
-    "edge of the punch.",
+    "plastic_strain": "The coloured region is the plastic zone. Of a small zone only the edge of "
+    "the punch is shown.",
     "plastic_zone": "From the first yield to the end of yielding. The outline is the largest zone; "
     "the material outside it remained elastic.",
     "plastic_zone_volume": "The wave has passed when the zone at one instant decreases after its "

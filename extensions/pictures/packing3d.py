@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -159,7 +161,7 @@ def _surface_of(result: Result) -> tuple[NDArray[np.intp], RenderedSpheres]:
         towards = np.sign(_CAMERA.towards[:2])
         # the quarter that is cut away; a single layer is not cut, as it hides nothing
         facing = np.all(beyond * towards > _CUT * result.case.packing.diameter, axis=1)
-        one_layer = np.ptp(positions[:, 2]) < _CUT * result.case.packing.diameter
+        one_layer = _is_one_layer(positions, result)
         kept = np.flatnonzero(~facing | one_layer)
         places = positions[kept]
         radii = result["spheres/radius"][kept]
@@ -168,6 +170,11 @@ def _surface_of(result: Result) -> tuple[NDArray[np.intp], RenderedSpheres]:
         axes = half_axes(result, kept)
         _SURFACES[result] = kept, lit_surface(places, radii, _CAMERA, pixels, axes)
     return _SURFACES[result]
+
+
+def _is_one_layer(positions: NDArray[np.float64], result: Result) -> bool:
+    """Return True for spheres at positions, (n_spheres, 3), m, in a layer, which is not cut."""
+    return bool(np.ptp(positions[:, 2]) < _CUT * result.case.packing.diameter)
 
 
 def bar_location(size: tuple[float, float] | None) -> str:
@@ -244,20 +251,33 @@ def plane_lines(
     return np.concatenate([corners, corners[:1]])
 
 
+_QUARTER = "A quarter is cut away at the impact; "
+_SCALE = "White: below the scale, or none."
+
+
+def _uncut(caption: str, look: str, result: Result, _: Path) -> tuple[str, str]:
+    """Return caption and look of a figure of a run, without a cut for a packing of one layer."""
+    if not _is_one_layer(result["spheres/position"], result):
+        return f"Packing cut open, {caption}", f"{_QUARTER}{look} {_SCALE}"
+    return f"Packing of one layer, {caption}", f"{look[:1].upper()}{look[1:]} {_SCALE}"
+
+
+_FORCE = ("peak contact force, excluding walls", "bright spheres carried the largest forces.")
+_LOSS = ("dissipation", "bright spheres dissipated the most energy.")
 #: Figures of a run; the two share the selection of visible spheres.
 PEAK_FORCE = RunFigure(
-    "Packing cut open, peak contact force, excluding walls",
+    f"Packing cut open, {_FORCE[0]}",
     packing_3d,
-    "A quarter is cut away at the impact; bright spheres carried the largest forces. White: below "
-    "the scale, or none.",
+    f"{_QUARTER}{_FORCE[1]} {_SCALE}",
     shares_work_with=("packing_3d_dissipation",),
     takes_long=True,
+    words=partial(_uncut, *_FORCE),
 )
 DISSIPATION = RunFigure(
-    "Packing cut open, dissipation",
+    f"Packing cut open, {_LOSS[0]}",
     packing_3d_dissipation,
-    "A quarter is cut away at the impact; bright spheres dissipated the most energy. White: below "
-    "the scale, or none.",
+    f"{_QUARTER}{_LOSS[1]} {_SCALE}",
     shares_work_with=("packing_3d",),
     takes_long=True,
+    words=partial(_uncut, *_LOSS),
 )

@@ -2,10 +2,10 @@
 
 Each packing is run twice. Indentations are kept (boundary.forget_gap of 0.1 diameters), or
 forgotten as soon as the undeformed spheres separate (1e-9 diameters). The second choice corresponds
-to the plastic laws of LIGGGHTS, YADE and MercuryDPM, and to the contact history of LAMMPS's own
-granular styles, which ends when the distance exceeds the sum of the radii. Indentations in rigid
-walls are kept in both runs. Chains that rattle move chaotically: there the sign and the order of
-magnitude of a change are meaningful, but not its digits.
+to the plastic laws of LIGGGHTS, YADE and MercuryDPM that we read, and to the contact history of
+LAMMPS's own granular styles, which ends when the distance exceeds the sum of the radii.
+Indentations in rigid walls are kept in both runs. Chains that rattle move chaotically: there the
+sign and the order of magnitude of a change are meaningful, but not its digits.
 """
 
 import math

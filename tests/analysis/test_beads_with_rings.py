@@ -58,7 +58,8 @@ def test_layers_are_the_beads_alone(runs, name):
     )
     assert peaks.is_known[row.passed - 2] and not peaks.is_known[-2:].any()
     when = row.of_contacts("time_peak")
-    first, last = row.passed - 12, row.passed - 2
+    first = row.passed - 12
+    last = row.passed - 2
     assert speed == pytest.approx((last - first) * 0.015 / (when[last] - when[first]), rel=0.03)
 
 
@@ -92,5 +93,5 @@ def test_first_sentences_have_speed_and_decay_of_the_beads(runs):
     assert words["wide"].startswith("The wave speed along the beads was ")
     assert "The peak force between beads decreases from " in words["wide"]
     assert "It falls exponentially with the depth, by " in words["wide"]
-    assert words["narrow"].startswith("The speed of the crest of the wave along the beads was ")
+    assert words["narrow"].startswith("The speed of the wave crest along the beads was ")
     assert "The peak force between beads above the static force decreases from " in words["narrow"]

@@ -28,6 +28,8 @@ STORE = extension("results_stored")
 CHOSEN = extension("results_chosen")
 ROWS_OF_TABLES = extension("results_rows")
 PICTURE = extension("results_picture")
+for part in ("quantities", "panels", "axes", "values_picture"):
+    extension(f"results_{part}")
 extension("results_coverage")
 WIDE = extension("results_wide")
 TABLE = extension("results_table")

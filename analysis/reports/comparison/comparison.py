@@ -37,6 +37,7 @@ from granwave.analysis.reports.comparison.measured import (
     unranked_reasons,
 )
 from granwave.analysis.reports.comparison.protection import Ranking, protection_rankings
+from granwave.analysis.reports.comparison.scatter import scatter_sentence
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     by_reason,
@@ -49,6 +50,7 @@ from granwave.analysis.reports.comparison.values import (
     ComparedValue,
     compared_values,
     differing_values,
+    equal_in_figures,
     partial_note,
     results_and_details,
     sentence,
@@ -193,7 +195,8 @@ class Comparison:
         stated = tuple(chain.from_iterable(ranking.names for ranking in rankings))
         differences = self._differences_in_words(stated)
         sentences = [ranking.sentence for ranking in rankings]
-        paragraphs = [*self.measured_sentences, *sentences, differences]
+        scatter = scatter_sentence(self._finished) if differences or sentences else ""
+        paragraphs = [*self.measured_sentences, *sentences, differences, scatter]
         return [text for text in paragraphs if text]
 
     @cached_property
@@ -236,7 +239,9 @@ class Comparison:
             return sentence(self.values, self.runs, asked=True)
         if self.quantities:
             values = self._values_of_figures
-            return sentence(values, self.runs, asked=True) if values else ""
+            if not values:
+                return ""
+            return equal_in_figures(values, self.runs) or sentence(values, self.runs, asked=True)
         runs = self._finished
         if len(runs) < _LEAST_RUNS:
             return sentence(compared_values(self.runs), self.runs, stated=stated)
@@ -502,8 +507,9 @@ class Comparison:
     def _undrawn(self) -> list[str]:
         """Return a sentence on the runs that are in no figure; nothing if there is none."""
         undrawn: dict[ComparedRun, str] = {}
+        drawn = [name for name in self.wanted_figures if self.data(name).present]
         for run in self.runs:
-            reasons = [self.data(name).lacking.get(run) for name in self.wanted_figures]
+            reasons = [self.data(name).lacking.get(run) for name in drawn or self.wanted_figures]
             if reasons and reasons[0] and all(reasons):
                 undrawn[run] = reasons[0]
         return [f"In no figure: {by_reason(undrawn)}."] if undrawn else []

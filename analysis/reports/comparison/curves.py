@@ -22,7 +22,7 @@ from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import Reached, reached
-from granwave.analysis.measures.waves import front_arrivals
+from granwave.analysis.measures.waves import front_arrivals, stays_in_layer
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import regular
@@ -140,6 +140,15 @@ def bottom_record(run: ComparedRun) -> Reached | None:
             return reached(result)
     except LackingError:
         return None
+
+
+def can_reach_bottom(run: ComparedRun) -> bool:
+    """Return False for a run of one layer whose load acts in its plane; True if it is unknown."""
+    try:
+        with run.opened() as result:
+            return not stays_in_layer(result)
+    except LackingError:
+        return True
 
 
 def has_peak_at_bottom(run: ComparedRun) -> bool:

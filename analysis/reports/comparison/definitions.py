@@ -11,7 +11,11 @@ from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.target_record import Reached
 from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
-from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
+from granwave.analysis.reports.comparison.curves import (
+    bottom_record,
+    can_reach_bottom,
+    static_force_at_bottom,
+)
 from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input, inputs_in_words
 from granwave.analysis.reports.comparison.subjects import ComparedRun
@@ -167,8 +171,8 @@ def _unresolved_zones(runs: Sequence[ComparedRun]) -> list[str]:
     if not names:
         return []
     return [
-        f"The plastic zone of {named(names, _MOST_LISTED)} is not resolved, so that its size and the "
-        "dissipated energy have no ratio."
+        f"The plastic zone of {named(names, _MOST_LISTED)} is not resolved, so that its size and "
+        "the dissipated energy have no ratio."
     ]
 
 
@@ -204,7 +208,8 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
         if record is None:
             continue
         if not record.is_reached:
-            unloaded.append(run)
+            if can_reach_bottom(run):
+                unloaded.append(run)
         elif record.rises_at_end:
             rising.append(run)
         elif record.awaits_momentum:

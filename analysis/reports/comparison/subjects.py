@@ -16,6 +16,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.numbers import quantity_in, size_text
 from granwave.analysis.formatting.values import as_label, distinct, unit_in_cases
 from granwave.analysis.reports.comparison.grain_ids import short_ids
+from granwave.analysis.reports.comparison.replicates import is_of_random_packing, replicate_sets
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.setting import (
     KIND_OF_PACKING,
@@ -26,6 +27,7 @@ from granwave.analysis.reports.setting import (
     origin_of,
 )
 from granwave.analysis.result.reader import Result
+from granwave.analysis.scans.result import SEED
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
@@ -44,12 +46,13 @@ _OF_MATERIAL = "material."
 _OF_BOUNDARY = "boundary."
 _CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by their units
 _MOST_KEYS = 3  # in a label
-_LONGEST = 40  # characters of a label
+_LONGEST = 44  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
 _EARLY = 0.5  # end time / latest end, below which a label states the end of a run
 _BETWEEN_DIFFERENCES = ", "
 _BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
-_POINT = r".+ #\d+"  # name of a point of a scan, which says nothing about its case
+_POINT = r"(.+) #\d+"  # name of a point of a scan, which says nothing about its case
+_SEED_TEXT = r"seed \d+"  # of a random packing, in a label
 _KILO = 1e3
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
 _LEAST_RANGE = 3  # runs in a row that are named by the first and the last
@@ -73,12 +76,21 @@ class ComparedRun:
         Its position among the runs, from 0.
     look
         Number of its colour and line, from 0, which are the same in all figures.
+    set_number
+        Position of the first run of its replicates; its own position without replicates.
+    is_random
+        True if its packing depends on the seed.
+    is_repeated
+        True for a replicate that figures leave out, since they show another one of its set.
     """
 
     run: ReportRun
     label: str
     number: int
     look: int
+    set_number: int = 0
+    is_random: bool = False
+    is_repeated: bool = False
 
     @property
     def name(self) -> str:
@@ -123,26 +135,86 @@ class ComparedRun:
 
 def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
     """Return the runs with their labels, each of which is used once."""
+    texts = _texts(runs)
+    names = _names(runs, texts)
     labels: list[str] = []
-    for run, text in zip(runs, _texts(runs), strict=True):
-        is_said = text == run.label or not text
-        label = _shortened(run.label if is_said else _with_differences(run.label, text))
+    for name, text in zip(names, texts, strict=True):
+        is_said = text == name or not text
+        label = _shortened(name if is_said else _with_differences(name, text))
         labels.append(distinct(label, labels))
-    drawn_first = sorted(spread_first(len(runs), MOST_CURVES)[:MOST_CURVES])
+    random = list(map(is_of_random_packing, runs))
+    sets = replicate_sets(runs, random)
+    leaders: dict[int, int] = {}
+    for members in sets:
+        leaders |= dict.fromkeys(members, members[0])
+    is_reduced = len(runs) > MOST_SIDE_BY_SIDE and len(sets) > 1
+    repeated = [is_reduced and leaders[place] != place for place in range(len(runs))]
+    drawn_first = sorted(drawn_places(repeated, MOST_CURVES))
     others = [place for place in range(len(runs)) if place not in drawn_first]
     looks = {place: look for look, place in enumerate([*drawn_first, *others])}
-    numbered = enumerate(zip(runs, labels, strict=True))
-    return [ComparedRun(run, label, number, looks[number]) for number, (run, label) in numbered]
+    return [
+        ComparedRun(
+            run,
+            labels[place],
+            place,
+            looks[place],
+            leaders[place],
+            random[place],
+            repeated[place],
+        )
+        for place, run in enumerate(runs)
+    ]
+
+
+def _names(runs: Sequence[ReportRun], texts: Sequence[str]) -> list[str]:
+    """Return the names of the runs in their labels: their numbers, if they are points of one scan
+    and their labels are too long with its name.
+    """
+    names = [run.label for run in runs]
+    points = [re.fullmatch(_POINT, name) for name in names]
+    scans = {point.group(1) if point else "" for point in points}
+    whole = [f"{name}: {text}" for name, text in zip(names, texts, strict=True)]
+    if len(scans) > 1 or "" in scans or max(map(len, whole), default=0) <= _LONGEST:
+        return names
+    scan = scans.pop()
+    return [name.removeprefix(f"{scan} ") for name in names]
 
 
 def _with_differences(name: str, text: str) -> str:
-    """Return a label of the name and of as many differences of the case as it has room for."""
+    """Return a label of the name and of as many differences of the case as it has room for; the
+    seed, which is the last one, is left out without an ellipsis.
+    """
     parts = text.removesuffix(f"{_BETWEEN_DIFFERENCES}…").split(_BETWEEN_DIFFERENCES)
     label = f"{name}: {text}"
+    if len(label) > _LONGEST and len(parts) > 1 and re.fullmatch(_SEED_TEXT, parts[-1]):
+        parts.pop()
+        label = f"{name}: {_BETWEEN_DIFFERENCES.join(parts)}"
     while len(label) > _LONGEST and len(parts) > 1:
         parts.pop()
         label = f"{name}: {_BETWEEN_DIFFERENCES.join(parts)}, …"
     return label
+
+
+def drawn_places(repeated: Sequence[bool], most: int) -> list[int]:
+    """Return the positions of the runs that a figure shows, if all have data; without replicates
+    of others.
+
+    Parameters
+    ----------
+    repeated
+        True for runs that are left out, since others of their replicates are drawn: (n_runs,).
+    most
+        Largest number of runs that a figure shows.
+    """
+    return places_in_order(repeated, most)[:most]
+
+
+def places_in_order(repeated: Sequence[bool], most: int) -> list[int]:
+    """Return the positions of the runs without replicates of others, in the order of
+    `spread_first`; parameters as of `drawn_places`.
+    """
+    places = [place for place, is_repeated in enumerate(repeated) if not is_repeated]
+    return [places[n] for n in spread_first(len(places), most)]
 
 
 def spread_first(n_runs: int, most: int) -> list[int]:
@@ -304,6 +376,7 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     if len({run.kind for run in runs}) > 1:
         keys = comparable_keys(keys, with_case)
     keys = [key for key in keys if not _has_table(key, runs)]
+    keys.sort(key=lambda key: key == SEED)  # the last, so that short labels omit it first
     values = {key: _value_texts(key, runs) for key in keys}
     usual = {key: _usual(of_runs) for key, of_runs in values.items()}
     ends = [_end_of(run) for run in runs]

@@ -30,6 +30,7 @@ from granwave.analysis.reports.comparison.ends import (
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import (
+    MOST_SIDE_BY_SIDE,
     ComparedRun,
     names_in_words,
     names_with_cases,
@@ -373,7 +374,7 @@ def shown_values(
     values: Sequence[ComparedValue], most: int, *, asked: bool
 ) -> Sequence[ComparedValue]:
     """Return the values that a table shows: the requested values, or the first results without
-    values at the arbitrary end of a run.
+    values at the arbitrary end of a run; of many runs only values that differ.
 
     Parameters
     ----------
@@ -384,7 +385,10 @@ def shown_values(
     """
     if asked:
         return values
-    return [value for value in values if value.name not in AT_THE_END][:most]
+    shown = [value for value in values if value.name not in AT_THE_END]
+    if any(len(value.values) > MOST_SIDE_BY_SIDE for value in shown):
+        shown = differing_values(shown)
+    return shown[:most]
 
 
 def unknown_values(
@@ -507,6 +511,22 @@ def _without_difference(
     has_truncated = any(value.is_truncated or value.incomplete for value in values)
     result = f"result {_COMPLETE}" if has_truncated else "result"
     return f"No {result} differs between {names}."
+
+
+def equal_in_figures(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> str:
+    """Return the sentence on runs of which only figures were requested, and whose values of these
+    figures are equal; empty if a value differs, or is not complete in all runs.
+
+    Parameters
+    ----------
+    values
+        Values that describe the figures.
+    """
+    if differing_values(values) or not all(value.is_complete for value in values):
+        return ""
+    names = names_in_words([run.name for run in runs])
+    labels = "; ".join(_in_sentence(value.label) for value in values)
+    return f"Equal in {names}: {labels}. The curves and fits of the requested figures may differ."
 
 
 def truncation_note(values: Sequence[ComparedValue]) -> str:

@@ -1,8 +1,9 @@
 """Figures of impacts on packings and on blocks against the input energy, and of peak forces.
 
 For both: the dissipated fraction, and the volumes that dissipate. For a packing at several
-velocities: the peak force of every contact, which is proportional to the impulse, and the front,
-which becomes planar. The impulse is the momentum of the impacted spheres; forces are in F_y.
+velocities: the peak force of every contact, which is proportional to the impulse, and the front
+before reflections from the base. The impulse is the momentum of the impacted spheres; forces are in
+F_y.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
-from granwave.analysis.measures.geometry import preferred_directions
+from granwave.analysis.measures.force_decay import layer_peaks, spheres_of_later_waves
+from granwave.analysis.measures.geometry import layers, preferred_directions
 from granwave.analysis.measures.impact import QuadraticLaw, rays
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.study import Picture, numeric, table_of
@@ -274,14 +276,15 @@ _FEW_DOTS = 500  # number of dots below which they are large
 _WEAK = 1.0  # normalised force at the largest velocity below which contacts are left out
 _INSIDE = -1e-6  # least coordinate along preferred directions inside the cone of these, diameters
 _LAYERS = 1e3  # resolved depths in a diameter
+_LATER = 0.02  # fraction of the forces of a layer that may be of later waves
 _IMPULSE = (
     "Granular: peak force against impulse, at velocities from a tenth of the largest on, of "
     "contacts along a preferred direction, counted from the impacted sphere. Points on their line, "
     "and exponents of 1 at every depth, show that force is proportional to impulse"
 )
 _FRONT = (
-    "Granular: the front by layer. Below F_y the front is elastic; a mean close to the largest "
-    "force of its layer shows that it becomes planar"
+    "Granular: the front by layer, before reflections from the base. Below F_y the front is "
+    "elastic; the closer the mean is to the largest force of its layer, the more planar it is"
 )
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
@@ -403,9 +406,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable]:
             weak = front.depth[
                 front.largest[::-1].cummax()[::-1] <= 1
             ]  # no later force is above F_y
-            uniformity = [
-                float(front.uniformity.iloc[n]) if n < len(front) else None for n in _LAYERS_LISTED
-            ]
+            uniformity = [_listed(front.uniformity, n) for n in _LAYERS_LISTED]
             rows.append(
                 (velocity, _MILLI * float(weak.iloc[0]) if len(weak) else None, *uniformity)
             )
@@ -413,28 +414,44 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable]:
         yield table_of(caption, (*numeric("Normalised velocity", key=True), *numbers), rows)
 
 
+def _listed(uniformity: Series[float], layer: int) -> float | None:
+    """Return the uniformity of a layer; None where it is not known."""
+    if layer >= len(uniformity) or not np.isfinite(uniformity.iloc[layer]):
+        return None
+    return float(uniformity.iloc[layer])
+
+
 def _front(result: Result, unit: float) -> DataFrame:
-    """Return the peak forces of the layers that the wave reached.
+    """Return the peak forces of the layers that the first wave passed, before the reflection.
 
     Returns
     -------
     DataFrame
-        ``depth`` below the impacted sphere, m; ``largest`` peak force of a sphere, in the unit (N);
-        ``uniformity``, mean / largest: 1 where the front is planar.
+        ``depth`` below the impacted sphere, m; ``largest`` peak force of a sphere, in the unit (N),
+        NaN where it is of a later wave; ``uniformity``, mean / largest: 1 where the front is
+        planar, NaN where more than 2 % of the sum of the forces may be of later waves.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]
-    inside = _in_cone(result)
     diameter = result.case.packing.diameter
-    layer = np.rint(_LAYERS * depth[inside] / diameter) * diameter / _LAYERS
-    front = (
-        Series(result["spheres/peak_force"][inside] / unit)
-        .groupby(layer)
-        .agg(largest="max", mean="mean")
-    )
-    front = front[front.largest > 0].rename_axis("depth").reset_index()
-    return front.assign(uniformity=front["mean"] / front.largest)[
-        ["depth", "largest", "uniformity"]
-    ]
+    peaks = layer_peaks(result)
+    _, number = layers(depth, result["spheres/radius"], diameter)
+    force = result["spheres/peak_force"] / unit
+    inside = _in_cone(result)
+    spheres = DataFrame(
+        {
+            "depth": np.rint(_LAYERS * depth / diameter) * diameter / _LAYERS,
+            "force": force,
+            "later": np.where(spheres_of_later_waves(result, peaks, number), force, 0.0),
+            "known": peaks.is_known[number],
+        }
+    )[inside]
+    of_layer = spheres.groupby("depth")
+    front = of_layer.agg(largest=("force", "max"), mean=("force", "mean"), known=("known", "all"))
+    is_first = of_layer["later"].sum() <= _LATER * of_layer["force"].sum()
+    front["uniformity"] = (front["mean"] / front["largest"]).where(front["known"] & is_first)
+    front = front[front["largest"] > 0]
+    front["largest"] = front["largest"].where(front["known"])
+    return front.reset_index()[["depth", "largest", "uniformity"]]
 
 
 def _in_cone(result: Result) -> NDArray[np.bool_]:
@@ -490,8 +507,8 @@ def _peak_force_against_impulse(linearity: Linearity) -> Drawing:
 
 
 def _front_by_depth(front_tables: dict[float, DataFrame]) -> Drawing:
-    """Draw the largest peak force and its uniformity by layer: the front becomes elastic, then
-    planar.
+    """Draw the largest peak force of the first wave and its uniformity by layer: below the yield
+    force the front is elastic.
     """
     figure, left, right = panels(2.6, 2)
     columns: dict[str, NDArray] = {}

@@ -55,9 +55,9 @@ _REFERENCE_ONLY = (
     "spheres differs"
 )
 _UNRESOLVED_REMARK = (
-    "Plastic zones of a few elements are not resolved: their size and the dissipation per mass and "
-    "volume are those of the elements, and are omitted. Use more elements, or a smaller "
-    "run.edge_size"
+    "Plastic zones of a few elements are not resolved: {}. Their size, and the dissipation per "
+    "mass and volume, would be those of the elements, and are omitted. Use more run.elements, or "
+    "a smaller run.edge_size."
 )
 _OF_VOLUME = 4  # values of a run that follow from the volume of its zone
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
@@ -239,7 +239,7 @@ def _resolution(blocks: DataFrame) -> Iterator[Note]:
     unresolved = blocks[~blocks.resolved]
     if len(unresolved):
         labels = named(unresolved["label"].tolist())
-        yield Note(f"{_UNRESOLVED_REMARK}: {labels}.", "note")
+        yield Note(_UNRESOLVED_REMARK.format(labels), "note")
 
 
 def _dissipating(reference: DataFrame, most: int) -> DataFrame:

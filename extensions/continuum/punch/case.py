@@ -81,8 +81,8 @@ class PunchRunSettings:
         Usual("m", 1e-9, 0.1, ("mm", "um")),
     )
     frame_interval: float = number(
-        "time between snapshots of the fields; doubled whenever there are more than 64. While the punch "
-        "touches the block or elements yield, up to 25 further snapshots are stored",
+        "time between snapshots of the fields; doubled whenever there are more than 64. While the "
+        "punch touches the block or elements yield, up to 25 further snapshots are stored",
         INTERVAL,
         above=0,
         default=2e-6,

@@ -85,7 +85,7 @@ def resolution(fraction: float, n_elements: int, balance_error: float) -> dict[s
 
 
 def doubts(summary: Mapping[str, Any]) -> list[str]:
-    """Return sentences without full stop on doubtful results of a block; empty if there are none."""
+    """Return sentences without full stop on doubtful results of a block."""
     found = (_strain(summary), _zone(summary), _viscosity(summary))
     return [text for text in found if text]
 

@@ -32,7 +32,7 @@ from granwave.extensions.continuum.punch.resolution import (
     resolution,
     zone_elements,
 )
-from granwave.extensions.continuum.punch.snapshots import Snapshot, Snapshots
+from granwave.extensions.continuum.punch.snapshots import Snapshot, StressSnapshots
 from granwave.extensions.continuum.punch.solver import PunchSolver
 from granwave.extensions.continuum.runner import (
     SUMMARY_NAMES,
@@ -80,7 +80,7 @@ class BlockRun(ElementRun):
             punch_velocity=punch.velocity,
             timestep=None if isinstance(run.timestep, str) else run.timestep,
         )
-        self.snapshots = Snapshots(run.frame_interval)
+        self.snapshots = StressSnapshots(run.frame_interval)
         self.balance_error = 0.0
         self.total = None if isinstance(run.end_time, str) else round(1e6 * run.end_time, 2)
 

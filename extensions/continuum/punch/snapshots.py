@@ -25,8 +25,8 @@ class Snapshot:
     stress: Stress
 
 
-class Snapshots:
-    """Snapshots of a run, in a number that does not grow with its duration.
+class StressSnapshots:
+    """StressSnapshots of a run, in a number that does not grow with its duration.
 
     Parameters
     ----------

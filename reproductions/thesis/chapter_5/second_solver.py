@@ -18,7 +18,7 @@ REFERENCE = ("reference", 5.0, "of the start")
 #: Ends of the quantities of the reference impact, and remarks, by the normals of the run.
 SYSTEMS = {
     "initial": (
-        "",
+        ", fixed last layer and initial normals",
         "The run has initial normals and a fixed last layer, as the second solver has.",
     ),
     "current": (

@@ -10,7 +10,8 @@ from granwave.analysis.figures.chains import force_histories
 from granwave.analysis.figures.colouring import Colouring, colour_bar, disc_colours
 from granwave.analysis.figures.histories import impactor_velocity
 from granwave.analysis.figures.lines import line_diagram
-from granwave.analysis.figures.series import panels, scale_by_peaks
+from granwave.analysis.figures.regions import force_at_depths
+from granwave.analysis.figures.series import are_relative, drawn_over, panels, scale_by_peaks
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.fronts import line_motions
 from granwave.analysis.result.reader import Result
@@ -65,6 +66,41 @@ def test_axis_is_logarithmic_if_low_curves_could_not_be_seen(peaks, scale):
     if scale == "log":
         low, high = axes.get_ylim()
         assert low < 1.0 < 40.0 < high and high / low < 1e3
+
+
+@pytest.mark.parametrize(
+    ("peaks", "expected"),
+    [([1.0, 3.0], False), ([1.0, 5.0], True), ([2.0, 3.0, 1e-9], False), ([], False)],
+)
+def test_curves_of_different_heights_are_relative_to_their_peaks(peaks, expected):
+    """Curves that the wave has not reached do not count; two runs have a common axis."""
+    assert are_relative(peaks) is expected
+    with drawn_over():
+        assert not are_relative(peaks)
+
+
+def test_forces_of_a_decaying_chain_are_relative_to_their_peaks(tmp_path):
+    """The legend gives the peaks; contacts that the wave has not reached are not drawn."""
+    case = {
+        "material": "brass", "contact.law": "elastoplastic", "packing.size": 30,
+        "run.end_time": 2.4e-4, "load.velocity": 5.0,
+    }  # fmt: skip
+    run_case(load_case("homogeneous-chain", case), tmp_path, figures=False)
+    with style(), Result(tmp_path) as result:
+        histories = force_histories(result).figure.axes[0]
+        depths = force_at_depths(result).figure.axes[0]
+        peaks = result["chain/contact_force"].max(axis=0)
+    for axes in (histories, depths):
+        for line in axes.lines:
+            is_reached = not line.get_label().endswith(": not reached")
+            assert line.get_ydata().max() == pytest.approx(float(is_reached), abs=1e-4)
+        assert axes.get_ylabel().endswith("/ its peak")
+    assert depths.lines[-1].get_label() == "bottom: not reached"
+    texts = [text.get_text() for text in histories.get_legend().get_texts()]
+    first, *_, last = (float(text.split(": ")[1].split()[0]) for text in texts)
+    assert first == pytest.approx(peaks[0], rel=1e-3)
+    assert last > 1e-4 * first
+    assert int(texts[-1].split("-")[0]) <= np.flatnonzero(peaks > 1e-4 * peaks.max())[-1] + 1
 
 
 def test_forces_of_an_elastic_chain_have_a_linear_axis(elastic):

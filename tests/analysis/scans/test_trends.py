@@ -10,7 +10,7 @@ import pytest
 from granwave.analysis.scans.figures import drawings
 from granwave.analysis.scans.means import means_of
 from granwave.analysis.scans.result import ScanResult
-from granwave.analysis.scans.trends import Course, course_of
+from granwave.analysis.scans.trends import Trend, course_of
 from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
 
 SCATTERS = [2e-6, 5e-6, 10e-6]
@@ -20,17 +20,17 @@ FORCE = "wall_peak_force_N"
 @pytest.mark.parametrize(
     ("means", "half_widths", "course"),
     [
-        ([1.0, 2.0, 3.0], [0.0, 0.0, 0.0], Course.RISES),
-        ([3.0, 2.0, 1.0], [0.0, 0.0, 0.0], Course.FALLS),
-        ([1.0, 3.0, 2.0], [0.0, 0.0, 0.0], Course.MIXED),
-        ([1.0, 1.0 + 1e-9, 1.0], [0.0, 0.0, 0.0], Course.CONSTANT),
+        ([1.0, 2.0, 3.0], [0.0, 0.0, 0.0], Trend.RISES),
+        ([3.0, 2.0, 1.0], [0.0, 0.0, 0.0], Trend.FALLS),
+        ([1.0, 3.0, 2.0], [0.0, 0.0, 0.0], Trend.MIXED),
+        ([1.0, 1.0 + 1e-9, 1.0], [0.0, 0.0, 0.0], Trend.CONSTANT),
         # forces of a packing with growing scatter, N: the first step is within its interval
-        ([1427.1, 1428.0, 1050.0, 880.0], [0.0, 30.0, 90.0, 120.0], Course.FALLS),
-        ([696.8, 697.1, 698.7, 703.0], [0.0, 3.6, 9.3, 18.0], Course.UNCLEAR),
-        ([990.0, 880.0], [500.0, 120.0], Course.UNCLEAR),
-        ([10.0, 14.0], [3.0, 3.0], Course.UNCLEAR),  # combined half-width 4.2
-        ([10.0, 14.5], [3.0, 3.0], Course.RISES),
-        ([1.0, 2.0, 3.0], [math.nan, math.nan, math.nan], Course.UNCLEAR),
+        ([1427.1, 1428.0, 1050.0, 880.0], [0.0, 30.0, 90.0, 120.0], Trend.FALLS),
+        ([696.8, 697.1, 698.7, 703.0], [0.0, 3.6, 9.3, 18.0], Trend.UNCLEAR),
+        ([990.0, 880.0], [500.0, 120.0], Trend.UNCLEAR),
+        ([10.0, 14.0], [3.0, 3.0], Trend.UNCLEAR),  # combined half-width 4.2
+        ([10.0, 14.5], [3.0, 3.0], Trend.RISES),
+        ([1.0, 2.0, 3.0], [math.nan, math.nan, math.nan], Trend.UNCLEAR),
     ],
 )
 def test_course(means, half_widths, course):

@@ -25,11 +25,14 @@ DENSITY = 8500.0
 RADIUS = 0.005
 #: Veletsos and Verbic, Int. J. Earthquake Eng. Struct. Dyn. 2 (1973) 87: constants of the vertical
 #: impedance of a rigid disc on a half-space, Poisson's ratio 1/3, fitted to the exact solution.
-MAXWELL, MAXWELL_TIME, DASHPOT = 0.35, 0.8, 0.75
+MAXWELL = 0.35
+MAXWELL_TIME = 0.8
+DASHPOT = 0.75
 
 
 def rebound_of_half_space(mass):
-    """Restitution and largest displacement for 1 m/s of a rigid flat punch on an elastic half-space.
+    """Restitution and largest displacement of a rigid flat punch on an elastic half-space, for
+    1 m/s.
 
     Spring K = 4 G a/(1 - nu) with a dashpot and a Maxwell element in parallel, whose times are
     multiples of a/c_S.

@@ -14,7 +14,12 @@ from granwave.extensions.continuum.punch.figures import (
     von_mises,
 )
 from granwave.extensions.continuum.punch.run import run_continuum
-from granwave.extensions.continuum.punch.snapshots import MOST, MOST_OF_EVENT, Snapshot, Snapshots
+from granwave.extensions.continuum.punch.snapshots import (
+    MOST,
+    MOST_OF_EVENT,
+    Snapshot,
+    StressSnapshots,
+)
 
 YIELD = 550e6
 
@@ -102,7 +107,7 @@ def test_axis_of_the_punch_is_that_of_the_contact(yielding):
 
 
 def test_number_of_snapshots_is_limited():
-    snapshots = Snapshots(1.0)
+    snapshots = StressSnapshots(1.0)
     for n in range(1000):
         snapshot = Snapshot(float(n), np.zeros(1, np.float32))
         if snapshots.is_due(snapshot.time):

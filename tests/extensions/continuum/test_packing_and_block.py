@@ -19,6 +19,7 @@ from granwave.analysis.reports import studies as comparison
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import GranularKind
 from granwave.analysis.reports.report import write_report
+from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, read_run
 from granwave.extensions.continuum.packing_and_block import figures as forces
 from granwave.extensions.continuum.packing_and_block import impacts as groups
@@ -29,7 +30,7 @@ from granwave.extensions.continuum.runs import ContinuumRun, read_elements
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import RUN
-from granwave.workflows import library, load_scan
+from granwave.workflows import library, load_case, load_scan, run_case
 from granwave.workflows.cli.main import main
 from granwave.workflows.scanning import driver
 from granwave.workflows.scanning.suite import load_suite, run_suite
@@ -234,7 +235,26 @@ def test_front_loses_its_peak(impacts: Impacts) -> None:
     for front in found.values():
         assert front.depth[0] == 0
         assert np.all(np.diff(front.largest[1:4]) < 0)
-        assert np.all((front.uniformity > 0) & (front.uniformity <= 1))
+        uniformity = front.uniformity.dropna()
+        assert len(uniformity) >= 2
+        assert np.all((uniformity > 0) & (uniformity <= 1))
+
+
+def test_front_is_that_of_a_deeper_packing(tmp_path: Path) -> None:
+    """Layers that a reflection from the base reached are left out."""
+    fronts = []
+    for n_layers in (10, 24):
+        directory = tmp_path / str(n_layers)
+        size = {"packing.size": [8, 8, n_layers], "run.end_time": 4e-4}
+        run_case(load_case("fcc-small", size), directory, figures=False)
+        with Result(directory) as result:
+            fronts.append(forces._front(result, 1.0))
+    short, deep = fronts
+    assert np.isnan(short.uniformity.iloc[-1])
+    for name in ("largest", "uniformity"):
+        known = short[name].dropna()
+        assert len(known) >= 5
+        assert deep[name][known.index].to_numpy() == pytest.approx(known.to_numpy(), rel=0.03)
 
 
 def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:

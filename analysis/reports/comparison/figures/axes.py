@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from typing import Any
 
@@ -18,6 +18,8 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.measured import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
+#: Colours of the runs, a different one for each of the most runs of a figure.
+_COLOURS = (*COLOURS, "#882255", "#999933", "#E69F00", "#332288", "#8C564B", "#44AA99")
 _MICRO = 1e6
 _KILO = 1e3
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
@@ -60,10 +62,10 @@ def run_styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]
         widths = np.linspace(_THICK, _THIN, len(runs)).tolist()
     styles: dict[ComparedRun, dict[str, Any]] = {}
     for run, width in zip(runs, widths, strict=True):
-        turn, place = divmod(run.look, len(COLOURS))
+        turn, place = divmod(run.look, len(_COLOURS))
         line = (place + turn) % len(_LINES)
         styles[run] = {
-            "color": COLOURS[place],
+            "color": _COLOURS[place],
             "linestyle": _LINES[line],
             "linewidth": width,
             "zorder": mlines.Line2D.zorder + line * _ABOVE_LINES,
@@ -109,12 +111,19 @@ def legend_above(figure: MatplotlibFigure) -> None:
     )
 
 
-def show_times_up_to(axes: Axes, ends: Sequence[float]) -> None:
-    """Show the longest run completely; the axis is logarithmic if the lengths of the runs differ a
-    lot. Curves on a logarithmic axis start at their first positive time.
+def show_times_up_to(axes: Axes, ends: Mapping[ComparedRun, float]) -> None:
+    """Show the longest run completely; the axis is logarithmic if the lengths of the finished runs
+    differ a lot. Curves on a logarithmic axis start at their first positive time.
+
+    Parameters
+    ----------
+    ends
+        Ends of the runs, s. A run that was stopped ends anywhere, so that it makes no axis
+        logarithmic.
     """
-    longest = max(ends) * _MICRO
-    shortest = min(ends) * _MICRO
+    finished = [end for run, end in ends.items() if not run.run.is_unfinished]
+    longest = max(ends.values()) * _MICRO
+    shortest = min(finished, default=math.inf) * _MICRO
     if 0 < shortest * _UNLIKE < longest:
         axes.set_xscale("log", nonpositive="mask")
         axes.set_xlim(shortest / _UNLIKE**2, longest)

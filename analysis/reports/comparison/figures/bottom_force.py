@@ -46,7 +46,7 @@ def draw_bottom_force(
         columns |= {f"{name}_time_s": curve.x, f"{name}_force_N": curve.y}
     columns |= draw_measured(axes, measured, _MICRO, scale)
     label(axes, "Time (µs)", f"Force on the bottom ({unit})")
-    show_times_up_to(axes, [float(curve.x[-1]) for curve in curves.values()])
+    show_times_up_to(axes, {run: float(curve.x[-1]) for run, curve in curves.items()})
     _show_small_forces(axes, [scale * float(curve.y.max()) for curve in curves.values()])
     legend_above(figure)
     return Drawing(figure, columns)

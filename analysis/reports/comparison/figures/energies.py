@@ -38,7 +38,7 @@ def draw_energies(
     forms = [form for form in FORMS if _has_energy(curves, form)]
     figure, *stack = panels(1.0 + 1.1 * len(forms), rows=len(forms), sharex=True)
     columns: dict[str, Array] = {}
-    ends: list[float] = []
+    ends: dict[ComparedRun, float] = {}
     for run, look in run_styles(list(curves)).items():
         linestyle = look.pop("linestyle")
         for axes, form in zip(stack, forms, strict=True):
@@ -46,7 +46,7 @@ def draw_energies(
             against_time(axes, curve.x, curve.y, linestyle, **look)
             name = column_name(run.label)
             columns |= {f"{name}_time_s": curve.x, f"{name}_{form}_over_input": curve.y}
-        ends.append(float(curves[run][forms[0]].x[-1]))
+        ends[run] = float(curves[run][forms[0]].x[-1])
     for axes, form in zip(stack, forms, strict=True):
         label(axes, y=form.capitalize())
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))

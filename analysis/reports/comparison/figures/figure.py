@@ -14,8 +14,10 @@ from granwave.analysis.reports.comparison.subjects import (
     MOST_CURVES,
     ComparedRun,
     LackingError,
-    spread_first,
+    places_in_order,
 )
+
+_REPLICATE = "one of each set of replicates is drawn"
 
 
 @dataclass(frozen=True)
@@ -84,12 +86,12 @@ class FigureData:
 def read_figure(figure: ComparisonFigure, runs: Sequence[ComparedRun]) -> FigureData:
     """Read the data of each run for a figure.
 
-    If there are more runs than it can show, an evenly spaced selection is shown; the others are
-    named.
+    If there are more runs than it can show, an evenly spaced selection is shown; of replicates one
+    is shown. The others are named.
     """
     present: dict[ComparedRun, Any] = {}
-    lacking: dict[ComparedRun, str] = {}
-    for place in spread_first(len(runs), figure.most):
+    lacking = {run: _REPLICATE for run in runs if run.is_repeated}
+    for place in places_in_order([run.is_repeated for run in runs], figure.most):
         run = runs[place]
         if len(present) == figure.most:
             lacking[run] = f"only {figure.most} runs are drawn"

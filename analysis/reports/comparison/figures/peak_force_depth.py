@@ -278,9 +278,9 @@ def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     parts = [f"{one.n_unknown} ({run.name})" for run, one in peaks.items() if one.n_unknown]
     if not parts:
         return ""
-    reasons = "whose force still rises at the end"
+    reasons = "that a larger pulse may still reach after the end"
     if any(one.is_chain and one.n_unknown for one in peaks.values()):
-        reasons += " or also includes the reflection"
+        reasons += " or after the reflection"
     return f"Without layers {reasons}: {', '.join(parts)}."
 
 

@@ -43,7 +43,7 @@ def draw_growth(
     label(lower, "Time (µs)", "Deepest yield (mm)")
     for axes in (upper, lower):
         axes.set_ylim(bottom=0)
-    show_times_up_to(lower, [float(zone.time[-1]) for zone in zones.values()])
+    show_times_up_to(lower, {run: float(zone.time[-1]) for run, zone in zones.items()})
     legend_above(figure)
     return Drawing(figure, columns)
 

@@ -178,3 +178,18 @@ def test_caption_gives_the_law_of_a_run_that_the_common_law_describes_less_well(
     alone = decay_notes({runs[0]: peaks[runs[0]]})
     assert alone.startswith("Dotted: exponential, F ~ exp(-bz), fitted to")
     assert "other law" not in alone and "same law" not in alone
+
+
+def test_equal_values_do_not_hide_curves_that_differ(place, tmp_path):
+    """Chains of two lengths have the same largest force, and different curves and fits."""
+    for n_beads in (15, 25):
+        chain = {"packing.size": n_beads, "run.end_time": 4e-4, "load.velocity": 0.8}
+        case = load_case("homogeneous-chain", chain | {"material": "steel"})
+        run_case(case, tmp_path / str(n_beads), figures=False)
+    comparison = compared(tmp_path, "15", "25", quantities=["peak_force_depth"])
+    assert comparison.difference_sentence == (
+        "Equal in 15 and 25: peak contact force, excluding walls. The curves and fits of the "
+        "requested figures may differ."
+    )
+    different = compared(place, "fcc", "fast", quantities=["peak_force_depth"])
+    assert different.difference_sentence.startswith("The requested values differ most in")

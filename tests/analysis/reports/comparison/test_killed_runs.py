@@ -6,9 +6,11 @@ import json
 import shutil
 
 import pytest
+from matplotlib import pyplot
 
 import granwave as gw
 from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.figures.axes import show_times_up_to
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
@@ -69,3 +71,17 @@ def test_an_unfinished_run_is_named(tmp_path):
     (runs[1] / "run.json").write_text(json.dumps({"state": "interrupted", "attempts": []}))
     comparison = compare_runs(read_inputs(runs, tmp_path).runs)
     assert any(note.startswith("Unfinished") and "part (" in note for note in comparison.notes)
+
+
+@pytest.mark.parametrize(("state", "scale"), [("interrupted", "linear"), ("finished", "log")])
+def test_a_stopped_run_makes_no_axis_of_times_logarithmic(tmp_path, state, scale):
+    """The axis follows the finished runs."""
+    runs = [write_run(tmp_path / name, figures=False) for name in ("one", "two", "short")]
+    (runs[2] / "run.json").write_text(json.dumps({"state": state, "attempts": []}))
+    compared = compare_runs(read_inputs(runs, tmp_path).runs).runs
+    ends = dict(zip(compared, [1e-3, 1e-3, 1e-5], strict=True))
+    figure, axes = pyplot.subplots()
+    show_times_up_to(axes, ends)
+    assert axes.get_xscale() == scale
+    assert axes.get_xlim()[1] == pytest.approx(1e3)
+    pyplot.close(figure)

@@ -1,0 +1,147 @@
+"""Names of stored quantities in parts: what is compared, and the conditions with their numbers.
+
+"V, N2 = 3, elastic" is the quantity "V" under the conditions "N2 = 3" and "elastic"; the number 3
+belongs to the condition "N2 = {}". The figures of values group rows by these parts.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+_NUMBER = re.compile(r"(?<![\w.^*])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]*[a-zA-Z_]\d|\w)")
+_BREAK = re.compile(r", |; |(?<=[^:]{4}): ")
+_AT = re.compile(r" at (?=(?:[a-z]+ )?-?\d)(?!.* / )")
+_BOUND = re.compile(r", at (?:most|least)(?=$|[:,])")
+#: Names whose order of words hides the conditions; each pattern with the name used here.
+_REWORDED = tuple(
+    (re.compile(pattern), name)
+    for pattern, name in (
+        (r"; source: ", r", "),
+        (r"^V(?=, )", r"Speed V"),
+        (
+            r"^(Test \d), (case \w, )?(.*?)( of finite elements)? at (incidence .*)$",
+            r"\1 \3\4, \5, \2",
+        ),
+        (r"^Energy in (.*), (.*)$", r"Energy, \1, \2"),
+        (r"^Pulse length, (fit|half maximum) of (\w+), ", r"Pulse length (\1 of \2), "),
+        (r"^(Restitution) at (.* m/s) (with / without .*)$", r"\1 \3, \2"),
+        (r"^(Dissipated fraction), impact (on \d spheres / on one), ", r"\1, \2, "),
+        (r"(small spheres moved inwards) by ", r"\1, "),
+        (r"first peak at (sphere \d+) (falls|is later)", r"first peak (\1) \2"),
+        (r" (\d+\.\d+) ms$", lambda found: f" {1000 * float(found[1]):.4g} µs"),
+    )
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Condition:
+    """A condition of a quantity.
+
+    Attributes
+    ----------
+    text
+        The condition as in the name.
+    template
+        The condition with {} for each number.
+    numbers
+        The numbers.
+    """
+
+    text: str
+    template: str
+    numbers: tuple[float, ...]
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """A name in parts: what is compared, and its conditions in the order of the name."""
+
+    base: str
+    conditions: tuple[Condition, ...]
+
+
+def quantity_of(name: str) -> Quantity:
+    """Return the parts of the name of a stored quantity."""
+    name = _BOUND.sub("", name)
+    for pattern, reworded in _REWORDED:
+        name = pattern.sub(reworded, name)
+    base, *conditions = _pieces(name)
+    base, *places = _AT.split(base, maxsplit=1)
+    texts = [text for text in (*places, *conditions) if text]
+    return Quantity(base, tuple(_condition(text) for text in texts))
+
+
+def _pieces(name: str) -> list[str]:
+    """Return a name split at commas, semicolons and colons that are outside brackets."""
+    pieces = [""]
+    end = 0
+    for found in _BREAK.finditer(name):
+        before = name[: found.start()]
+        if before.count("(") == before.count(")"):
+            pieces.append(name[end : found.start()])
+            end = found.end()
+    return [*pieces[1:], name[end:].removesuffix(",").strip()]
+
+
+def _condition(text: str) -> Condition:
+    return Condition(
+        text,
+        _NUMBER.sub("{}", text),
+        tuple(float(number) for number in _NUMBER.findall(text)),
+    )
+
+
+#: Abscissae whose words in the name are not enough: template of the condition, label of the axis.
+_ABSCISSAE = {
+    "{} MPa": "modulus (MPa)",
+    "{} m/s": "speed of the impact (m/s)",
+    "{} degrees": "angle of incidence (degrees)",
+    "{} of the zone": "wave number / edge of the zone",
+    "{} Pa": "pressure (Pa)",
+    "{} alpha_y": "overlap / alpha_y",
+    "I {} ({} kN, {} µs)": "impulse I (dimensionless)",
+    "unloaded from {} alpha_y": "largest overlap / alpha_y",
+    "specified as {}": "specified restitution",
+    "small beads of {}": "diameter of the small beads / diameter of the others",
+    "{} µs": "period (µs)",
+    "beads {} to {}": "first of the beads",
+    "impact at {} m/s": "speed of the impact (m/s)",
+    "{} N": "force (N)",
+    "{} cylinders": "number of cylinders",
+    "radii {} to {} / finite elements of equal radii": "ratio of the radii",
+}
+
+
+def abscissa(template: str) -> str:
+    """Return the label of an axis for the first number of a condition, with its unit."""
+    if template in _ABSCISSAE:
+        return _ABSCISSAE[template]
+    words, _, unit = template.partition("{}")
+    words = re.sub(r"( =| of| from| at)?\s*$", "", words)
+    unit = unit.partition("(")[0].partition(" to {}")[0].strip()
+    return f"{words} ({unit})".strip() if unit else words
+
+
+_SYMBOLS = {
+    "alpha_y": r"$\alpha_y$",
+    "sigma_y": r"$\sigma_y$",
+    "F_y": "$F_y$",
+    "delta_hat": r"$\hat{\delta}$",
+    "alpha": r"$\alpha$",
+    "beta": r"$\beta$",
+    "gamma": r"$\gamma$",
+    "lambda": r"$\lambda$",
+    "F_m/F0": "$F_m/F_0$",
+    "F0": "$F_0$",
+    "um": "µm",
+    "us": "µs",
+    "omega^2": r"$\omega^2$",
+}
+
+
+def typeset(text: str) -> str:
+    """Return a text with its symbols as in an equation."""
+    for word, symbol in _SYMBOLS.items():
+        text = re.sub(rf"(?<![\w$\\]){re.escape(word)}(?!\w)", lambda _, s=symbol: s, text)
+    return text
