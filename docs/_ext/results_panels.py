@@ -120,6 +120,11 @@ class _Line:
     def compared(self) -> bool:
         return self.row.source is not None or self.row.theory is not None
 
+    def conditions(self, *, with_base: bool) -> tuple[str, ...]:
+        """Return the conditions, after the quantity if rows have several quantities."""
+        texts = tuple(condition.text for condition in self.quantity.conditions)
+        return (self.quantity.base, *texts) if with_base else texts
+
 
 @dataclasses.dataclass(frozen=True)
 class ValuesOfPage:
@@ -128,6 +133,10 @@ class ValuesOfPage:
     panels: tuple[Panel, ...]
     total: int
     verification: bool
+
+    def values(self) -> tuple[Value, ...]:
+        """Return all rows of the panels."""
+        return tuple(itertools.chain.from_iterable(panel.values() for panel in self.panels))
 
     def number(self) -> int:
         """Return the number of values with a reference that the panels show."""
@@ -211,14 +220,16 @@ def _panels(lines: Sequence[_Line]) -> Iterator[Panel]:
 
 def _of_similar_size(lines: Sequence[_Line]) -> list[list[_Line]]:
     """Return rows in groups whose references have similar sizes, which one axis can show."""
-    parts: list[list[_Line]] = [[]]
+    parts: list[list[_Line]] = []
     before = 0.0
     for line in sorted(lines, key=_size):
-        if before and _size(line) > _GAP * before:
+        if not parts or (before and _size(line) > _GAP * before):
             parts.append([])
         parts[-1].append(line)
         before = _size(line)
-    return [[line for line in lines if line in part] for part in parts]
+    for part in parts:
+        part.sort(key=lines.index)
+    return parts
 
 
 def _size(line: _Line) -> float:
@@ -253,12 +264,8 @@ def _panels_of_curves(lines: Sequence[_Line]) -> list[tuple[Panel, list[_Line]]]
 def _curves(lines: Sequence[_Line]) -> tuple[str, dict[tuple[str, ...], list[_Line]]]:
     """Return the condition whose number varies, and the rows by their other conditions."""
     best: tuple[str, dict[tuple[str, ...], list[_Line]]] = "", {}
-    templates = dict.fromkeys(
-        condition.template
-        for line in lines
-        for condition in line.quantity.conditions
-        if condition.numbers
-    )
+    conditions = itertools.chain.from_iterable(line.quantity.conditions for line in lines)
+    templates = dict.fromkeys(one.template for one in conditions if one.numbers)
     for others_of, template in itertools.product((_others, _other_templates), templates):
         curves = _curves_along(template, lines, others_of)
         if _number(curves) > _number(best[1]):
@@ -282,18 +289,21 @@ def _curves_along(
     for line in lines:
         if _condition_of(line, template) is not None:
             found.setdefault(others_of(line, template), []).append(line)
-    return {
-        others: curve
-        for others, curve in found.items()
-        if _is_curve([_abscissa_of(line, template) for line in curve])
-        and any(line.compared() for line in curve)
-        and len({_others(line, template) for line in curve}) in (1, len(curve))
-    }
+    return {others: curve for others, curve in found.items() if _is_curve(curve, template)}
 
 
-def _is_curve(abscissae: Sequence[float]) -> bool:
-    """Return True for enough distinct values."""
-    return len(abscissae) == len(set(abscissae)) >= _LEAST_POINTS
+def _is_curve(lines: Sequence[_Line], template: str) -> bool:
+    """Return True for enough rows with distinct abscissae, of which at least one has a reference.
+
+    Their other conditions are the same, or all vary together with the abscissa.
+    """
+    abscissae = {_abscissa_of(line, template) for line in lines}
+    others = {_others(line, template) for line in lines}
+    return (
+        len(lines) == len(abscissae) >= _LEAST_POINTS
+        and len(others) in (1, len(lines))
+        and any(map(_Line.compared, lines))
+    )
 
 
 def _condition_of(line: _Line, template: str) -> Condition | None:
@@ -338,9 +348,8 @@ def _list_of(lines: Sequence[_Line]) -> Panel | None:
     """Return a list of rows, first those with a source; None if their conditions are the same."""
     ordered = sorted(lines, key=lambda line: line.row.source is None)[:MOST_LINES]
     shown = [line for line in lines if line in ordered]
-    texts = [tuple(one.text for one in line.quantity.conditions) for line in shown]
-    if len({line.quantity.base for line in shown}) > 1:
-        texts = [(line.quantity.base, *text) for line, text in zip(shown, texts, strict=True)]
+    mixed = len({line.quantity.base for line in shown}) > 1
+    texts = [line.conditions(with_base=mixed) for line in shown]
     common = _common(texts)
     labels = [
         _joined(text, common) or line.quantity.base for line, text in zip(shown, texts, strict=True)
@@ -367,8 +376,8 @@ def _panel(
 def _common(texts: Iterable[Sequence[str]]) -> list[str]:
     """Return the conditions that all rows have."""
     rows = list(texts)
-    first = [text for text in rows[0] if "{}" not in text]
-    return [text for text in first if all(text in row for row in rows)]
+    shared = set(rows[0]).intersection(*rows)
+    return [text for text in rows[0] if text in shared and "{}" not in text]
 
 
 def _joined(texts: Iterable[str], common: Sequence[str]) -> str:

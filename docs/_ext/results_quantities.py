@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import textwrap
 
 _NUMBER = re.compile(r"(?<![\w.^*])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]*[a-zA-Z_]\d|\w)")
 _BREAK = re.compile(r", |; |(?<=[^:]{4}): ")
@@ -17,7 +18,7 @@ _BOUND = re.compile(r", at (?:most|least)(?=$|[:,])")
 _REWORDED = tuple(
     (re.compile(pattern), name)
     for pattern, name in (
-        (r"; source: ", r", "),
+        (r"; source: ", r", source's "),
         (r"^V(?=, )", r"Speed V"),
         (
             r"^(Test \d), (case \w, )?(.*?)( of finite elements)? at (incidence .*)$",
@@ -125,6 +126,8 @@ def abscissa(template: str) -> str:
 
 _SYMBOLS = {
     "alpha_y": r"$\alpha_y$",
+    "sigma_y^2 D^3/E": r"$\sigma_y^2 D^3/E$",
+    "D^3/6": "$D^3/6$",
     "sigma_y": r"$\sigma_y$",
     "F_y": "$F_y$",
     "delta_hat": r"$\hat{\delta}$",
@@ -140,8 +143,23 @@ _SYMBOLS = {
 }
 
 
+_PRIVATE = 0xE000  # first character of Unicode without a meaning
+
+
 def typeset(text: str) -> str:
     """Return a text with its symbols as in an equation."""
-    for word, symbol in _SYMBOLS.items():
-        text = re.sub(rf"(?<![\w$\\]){re.escape(word)}(?!\w)", lambda _, s=symbol: s, text)
-    return text
+    return "\n".join(lines_of(text, len(text) + 1))
+
+
+def lines_of(text: str, characters: int) -> list[str]:
+    """Return a text in lines of a number of characters, with its symbols as in an equation."""
+    marks = {
+        chr(_PRIVATE + number) * max(len(word) // 2, 1): word
+        for number, word in enumerate(_SYMBOLS)
+    }
+    for mark, word in marks.items():
+        text = re.sub(rf"(?<![\w$\\]){re.escape(word)}(?!\w)", mark, text)
+    filled = "\n".join(textwrap.wrap(text, characters))
+    for mark, word in marks.items():
+        filled = filled.replace(mark, _SYMBOLS[word])
+    return filled.split("\n")

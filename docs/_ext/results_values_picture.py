@@ -8,7 +8,6 @@ an outdated figure.
 from __future__ import annotations
 
 import dataclasses
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from matplotlib.lines import Line2D
 from results_axes import scale_abscissae, scale_values
 from results_panels import Panel, Value, ValuesOfPage, values_of
 from results_picture import digest_of, save
-from results_quantities import typeset
+from results_quantities import lines_of, typeset
 from results_rows import escaped
 
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, style
@@ -29,7 +28,7 @@ from granwave.analysis.figures.style import BLUE, GREY, ORANGE, style
 # lengths in inches
 _WIDTH = 7.6
 _COLUMN = 3.7
-_LABELS = 1.6  # of a list, left of its axis
+_LABELS = 1.66  # of a list, left of its axis
 _ORDINATE = 0.62  # left of the axis of curves
 _EDGE = 0.1  # right of an axis
 _TITLE = 0.135  # line of a title
@@ -39,7 +38,7 @@ _CURVES = 1.35  # height of curves
 _BELOW = 0.4  # ticks and label of an abscissa
 _BETWEEN = 0.14  # panels of a column
 _LEGEND = 0.3
-_CHARACTERS = 18.8  # an inch of labels
+_CHARACTERS = 18.1  # an inch of labels
 _TITLE_CHARACTERS = 16.0  # an inch of a title
 _SUBTITLE_CHARACTERS = 17.5
 _NAME_CHARACTERS = 17.0  # of the name of a curve
@@ -89,12 +88,12 @@ def text_of(name: str, suite: Mapping[str, Any]) -> str:
     if not page.panels:
         return ""
     titles = [panel.title for panel in page.panels]
-    shown = escaped("; ".join(dict.fromkeys(titles)))
+    text = f"Values of granwave next to those of the references: {'; '.join(dict.fromkeys(titles))}"
     kinds = [sentence for kind, sentence in _symbols(page) if _has(page, kind)]
     return (
-        f"\n![Values of granwave next to those of the references: {shown}]({picture_of(name)})\n\n"
-        f"*The figure shows {page.number()} of the {page.total} values that have a reference in the "
-        f"tables below. {'; '.join(kinds)}.*\n"
+        f"\n![{escaped(text)}]({picture_of(name)})\n\n"
+        f"*The figure shows {page.number()} of the {page.total} values that have a reference in "
+        f"the tables below. {'; '.join(kinds)}.*\n"
     )
 
 
@@ -113,20 +112,23 @@ def _symbols(page: ValuesOfPage) -> list[tuple[str, str]]:
 def _has(page: ValuesOfPage, kind: str) -> bool:
     """Return True if a value of the figure has a kind: the name of its attribute."""
     absent = (None, "") if kind in ("ours", "source", "theory") else (None, "", 0.0)
-    return any(
-        getattr(value, kind) not in absent for panel in page.panels for value in panel.values()
-    )
+    return any(getattr(value, kind) not in absent for value in page.values())
 
 
 def draw(page: ValuesOfPage, path: Path) -> None:
-    """Draw the figure of a page."""
+    """Draw the figure of a page, and save it."""
     with style():
-        places, height = _places(page.panels)
-        figure = plt.figure(figsize=(_WIDTH, height))
-        _legend(figure, page)
-        for panel, place in zip(page.panels, places, strict=True):
-            _draw_panel(figure, panel, place)
-        save(figure, path, page.digest())
+        save(figure_of(page), path, page.digest())
+
+
+def figure_of(page: ValuesOfPage) -> Figure:
+    """Return the figure of a page."""
+    places, height = _places(page.panels)
+    figure = plt.figure(figsize=(_WIDTH, height))
+    _legend(figure, page)
+    for panel, place in zip(page.panels, places, strict=True):
+        _draw_panel(figure, panel, place)
+    return figure
 
 
 def _places(panels: Sequence[Panel]) -> tuple[list[_Place], float]:
@@ -160,23 +162,25 @@ def _head(panel: Panel, width: float) -> float:
 
 def _titles(panel: Panel, width: float) -> list[str]:
     """Return the lines of the title and the subtitle."""
-    below = textwrap.wrap(panel.subtitle, int(width * _SUBTITLE_CHARACTERS))
+    if not panel.subtitle:
+        return _title(panel, width)
+    below = lines_of(panel.subtitle, int(width * _SUBTITLE_CHARACTERS))
     return [*_title(panel, width), *below]
 
 
 def _title(panel: Panel, width: float) -> list[str]:
-    return textwrap.wrap(panel.title, int(width * _TITLE_CHARACTERS))
+    return lines_of(panel.title, int(width * _TITLE_CHARACTERS))
 
 
 def _name(panel: Panel, name: str, width: float) -> str:
     """Return the name of a curve, in lines that fit above its axis."""
     own = (width - _ORDINATE - _EDGE) / len(panel.curves)
-    return textwrap.fill(name, int(own * _NAME_CHARACTERS))
+    return "\n".join(lines_of(name, int(own * _NAME_CHARACTERS)))
 
 
 def _label(value: Value, width: float) -> str:
     """Return the label of a row of a list in lines."""
-    return textwrap.fill(value.label, int(_labels_width(width) * _CHARACTERS))
+    return "\n".join(lines_of(value.label, int(_labels_width(width) * _CHARACTERS)))
 
 
 def _labels_width(width: float) -> float:
@@ -195,7 +199,7 @@ def _draw_panel(figure: Figure, panel: Panel, place: _Place) -> None:
     for number, line in enumerate(_titles(panel, place.width)):
         weight = "bold" if number < main else "normal"
         colour = _BLACK if number < main else GREY
-        _write(figure, place.left + 0.02, top, typeset(line), weight=weight, color=colour)
+        _write(figure, place.left + 0.02, top, line, weight=weight, color=colour)
         top += _TITLE
     inside = dataclasses.replace(place, top=place.top + _head(panel, place.width))
     if panel.abscissa:
@@ -240,7 +244,7 @@ def _draw_list(figure: Figure, panel: Panel, place: _Place) -> None:
     for edge in np.cumsum(heights)[:-1]:
         axes.axhline(edge, color=GREY, lw=0.3, alpha=0.35, zorder=0)
     axes.set_ylim(float(heights.sum()), 0.0)
-    names = [typeset(_label(value, place.width)) for value in panel.values()]
+    names = [_label(value, place.width) for value in panel.values()]
     axes.set_yticks(middles, names, linespacing=1.0)
     axes.tick_params(axis="y", length=0)
     factor = scale_values(axes, "x", _all_numbers(panel), 6)
@@ -291,9 +295,7 @@ def _draw_curves(figure: Figure, panel: Panel, place: _Place) -> None:
         factor = scale_values(axes, "y", _all_numbers(panel), 5)
         abscissae = [value.x for value in values if value.x is not None]
         power = scale_abscissae(axes, abscissae, 3 if number >= _NARROW else 4)
-        axes.set_title(
-            typeset(_name(panel, name, place.width)), fontsize=_SMALL, pad=2, linespacing=1.0
-        )
+        axes.set_title(_name(panel, name, place.width), fontsize=_SMALL, pad=2, linespacing=1.0)
         if position:
             axes.tick_params(labelleft=False)
         else:

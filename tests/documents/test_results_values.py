@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import copy
+import itertools
 
+import matplotlib.pyplot as plt
 import pytest
 
+from granwave.analysis.figures.style import style
 from tests.documents.pages import extension
 
 extension("results_chosen")
@@ -53,7 +56,7 @@ def suite(*rows, title="Study"):
         (
             "Peak force; source: mesh 0.2 to 0.4 mm",
             "Peak force",
-            {"mesh {} to {} mm": (0.2, 0.4)},
+            {"source's mesh {} to {} mm": (0.2, 0.4)},
         ),
         ("Front speed at 150 MPa, BCC", "Front speed", {"{} MPa": (150,), "BCC": ()}),
         (
@@ -82,12 +85,17 @@ def test_an_abscissa_has_its_unit(template, label):
     assert QUANTITIES.abscissa(template) == label
 
 
+def test_symbols_take_their_width_in_lines():
+    """A symbol is much shorter than its name and its code."""
+    assert QUANTITIES.lines_of("at 3 alpha_y, R*", 12) == [r"at 3 $\alpha_y$, R*"]
+    assert QUANTITIES.typeset("Spin at beta 0.7") == r"Spin at $\beta$ 0.7"
+
+
 def test_rows_that_differ_by_one_number_are_curves():
     """Rows of ours alone belong to a curve; two values are a list."""
     rows = [
         row(f"Front speed at {modulus} MPa, {lattice}", modulus, 125.0)
-        for modulus in (480, 150, 1573)
-        for lattice in ("BCC", "HCP")
+        for modulus, lattice in itertools.product((480, 150, 1573), ("BCC", "HCP"))
     ]
     rows[0] |= {"source": None, "kind": "alone"}
     (panel,) = PANELS.values_of(suite(*rows)).panels
@@ -152,10 +160,9 @@ def test_panels_contain_stored_rows(name):
             numbers = (record[kind] for kind in ("granwave", "source", "theory"))
             rounded.append(tuple(None if one is None else f"{one:.4g}" for one in numbers))
     shown = []
-    for panel in page.panels:
-        for value in panel.values():
-            numbers = (value.ours, value.source, value.theory)
-            shown.append(tuple(None if one is None else f"{one:.4g}" for one in numbers))
+    for value in page.values():
+        numbers = (value.ours, value.source, value.theory)
+        shown.append(tuple(None if one is None else f"{one:.4g}" for one in numbers))
     assert all(shown.count(numbers) <= rounded.count(numbers) for numbers in shown)
 
 
@@ -169,6 +176,23 @@ def test_the_figure_of_values_is_of_the_stored_rows(name):
     text = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
     assert PICTURE.text_of(name, suite) in text, AGAIN
     assert f"The figure shows {page.number()} of the {page.total} values" in text
+
+
+@pytest.mark.parametrize("name", WITH_PANELS)
+def test_all_texts_are_inside_the_figure(name):
+    """No title or label is cut off at an edge, and no title of a curve covers another."""
+    with style():
+        figure = PICTURE.figure_of(PANELS.values_of(STORED["suites"][name]))
+        figure.canvas.draw()
+        names = [axes.title for axes in figure.axes if axes.get_title()]
+        headings = [text.get_window_extent() for text in (*figure.texts, *names)]
+        boxes = [*headings, *(axes.get_tightbbox() for axes in figure.axes)]
+        width, height = figure.canvas.get_width_height()
+        plt.close(figure)
+    for box in boxes:
+        assert box.x0 >= 0 and box.x1 <= width and box.y0 >= 0 and box.y1 <= height
+    pairs = itertools.combinations(headings, 2)
+    assert not any(one.overlaps(other) for one, other in pairs)
 
 
 def test_a_changed_row_makes_its_figure_stale():
