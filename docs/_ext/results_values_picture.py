@@ -39,7 +39,7 @@ _BELOW = 0.4  # ticks and label of an abscissa
 _BETWEEN = 0.14  # panels of a column
 _LEGEND = 0.3
 _CHARACTERS = 18.1  # an inch of labels
-_TITLE_CHARACTERS = 16.0  # an inch of a title
+_TITLE_CHARACTERS = 15.2  # an inch of a title
 _SUBTITLE_CHARACTERS = 17.5
 _NAME_CHARACTERS = 17.0  # of the name of a curve
 
@@ -348,7 +348,7 @@ def _unit(unit: str, factor: str) -> str:
     """Return the label of an axis: the unit, with the power of ten of its labels."""
     if factor and not unit:
         return factor
-    return f"{factor} {_UNITS.get(unit, unit)}".strip()
+    return f"{factor} {typeset(_UNITS.get(unit, unit))}".strip()
 
 
 def _legend(figure: Figure, page: ValuesOfPage) -> None:
