@@ -223,8 +223,10 @@ def _instants_of_front(result: Result) -> dict[int, str]:
     is_passed = np.array([len(crest) > 0 for crest in crests]) & (
         largest > _LEAST_SPEED * largest.max()
     )
-    first = int(largest.argmax())
-    passed = np.flatnonzero(is_passed & (np.arange(len(largest)) >= first))
+    passed = np.flatnonzero(is_passed)
+    if len(passed):
+        first = min(passed.tolist(), key=lambda bead: int(crests[bead][0]))
+        passed = passed[passed >= first]
     if len(passed) < _N_INSTANTS:
         return {}
     way = np.arange(1, _N_INSTANTS + 1) / _N_INSTANTS

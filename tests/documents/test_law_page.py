@@ -61,7 +61,8 @@ class PageLaw:
     def terms(self):
         """Terms that do not depend on the overlap."""
         ((e_a, nu_a, y_a, h_a), s_a), ((e_b, nu_b, y_b, h_b), s_b) = self.bodies
-        soft_a, soft_b = (1 - nu_a**2) / e_a, (1 - nu_b**2) / e_b
+        soft_a = (1 - nu_a**2) / e_a
+        soft_b = (1 - nu_b**2) / e_b
         c_a = soft_a / (soft_a + soft_b)
         eta_a = h_a * e_a / ((1 - h_a) * y_a)
         eta_b = h_b * e_b / ((1 - h_b) * y_b) if y_b < inf else 0.0
@@ -88,7 +89,8 @@ class PageLaw:
     def fitted(self, a: float) -> float:
         """Force on loading within the range of the finite elements, a > 1."""
         q = self.terms
-        t, d = sqrt(a) - 1, a * self.d_y
+        t = sqrt(a) - 1
+        d = a * self.d_y
         g_0 = exp(K["gu"] * q["u"]) * d * q["phi"] / K["gk"]
         hard = 0.0
         if q["eta"] > 0:

@@ -216,6 +216,16 @@ def test_velocities_are_at_instants_of_the_front(tmp_path, law, n_beads):
         assert heights == sorted(heights, reverse=True)
 
 
+def test_velocities_of_equal_beads(tmp_path):
+    """Rounding does not decide where the way of the front starts: all beads have one speed."""
+    changes = {"run.end_time": 1e-3}
+    run_case(load_case("preconditioned-chain", changes), tmp_path, figures=False)
+    with Result(tmp_path) as result, style():
+        curves = bead_velocities(result).figure.axes[0].lines[:4]
+    beads = [int(curve.get_label().split("bead ")[1]) for curve in curves]
+    assert beads == sorted(set(beads))
+
+
 def test_speeds_of_two_materials(tmp_path):
     """Each stretch has its own speed; the speed of the summary is of the deeper half."""
     soft = [{"index": {"first": 21, "last": 40}, "material": "ptfe"}]

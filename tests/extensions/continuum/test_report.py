@@ -37,7 +37,7 @@ def test_continuum_run_with_other_keys_and_nulls(tmp_path):
         "versions": None,
     }
     write_json(run / "summary.json", summary)
-    report = build([run, write_run(tmp_path / "grains", figures=False)], tmp_path, "restitution")
+    report = build([run, write_run(tmp_path / "grains", figures=False)], tmp_path, "sphere-contact")
     first = table(report, "inputs", "Contents of this report")[0]
     assert first["What"].text == "continuum run"
     row = table(report, "balance", "Energies at the end, and the error of the balance")[0]

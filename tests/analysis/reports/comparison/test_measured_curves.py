@@ -169,7 +169,7 @@ def test_runs_that_do_not_resemble_the_curve_are_not_ranked(tmp_path):
     differences["near"] = deviation(measured, SampledCurve(time, 1.1 * pulse))
     assert closest_sentence(measured, differences, ("s", "N"), alone=False).startswith("Only near")
     (note,) = coverage_notes(measured, differences)
-    assert "exceeds the measured peak: four times and five times." in note
+    assert "exceeds the measured peak: four times, five times." in note
 
 
 def test_a_sensor_of_the_opposite_sign(tmp_path):
