@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 _LEAST_SPAN = 0.2  # of a linear axis, relative to the largest value
+_MARGIN = 0.12  # of abscissae, relative to their span
 _DECADES = 1.5  # from which on an axis is logarithmic
 # largest values of an axis whose labels need no power of ten
 _SMALLEST = 1e-3
@@ -42,13 +43,18 @@ def scale_values(axes: Axes, which: str, numbers: Sequence[float], ticks: int) -
 
 
 def scale_abscissae(axes: Axes, numbers: Sequence[float], ticks: int) -> str:
-    """Set the scale of the abscissae; return the power of ten of its labels."""
+    """Set the scale of the abscissae, with a margin; return the power of ten of its labels."""
+    least = min(numbers)
+    most = max(numbers)
     if _is_logarithmic(numbers):
         axes.set_xscale("log")
+        margin = (most / least) ** _MARGIN
+        axes.set_xlim(least / margin, most * margin)
         axes.xaxis.set_major_locator(LogLocator(numticks=ticks))
         axes.xaxis.set_minor_formatter(NullFormatter())
         return ""
-    axes.margins(x=0.12)
+    margin = _MARGIN * (most - least)
+    axes.set_xlim(least - margin, most + margin)
     axes.xaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
     return _power(axes.xaxis, numbers)
 

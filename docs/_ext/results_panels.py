@@ -210,7 +210,7 @@ def _panels(lines: Sequence[_Line]) -> Iterator[Panel]:
             yield from (panel for panel, _ in curves)
             within = list(itertools.chain.from_iterable(lines for _, lines in curves))
             others = [line for line in group if line.compared() and line not in within]
-            for part in _of_similar_size(others):
+            for part in _of_similar_size(others) if key is _study_and_unit else [others]:
                 panel = _list_of(part) if len(part) >= least else None
                 if panel is None:
                     remaining += part

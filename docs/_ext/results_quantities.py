@@ -143,6 +143,8 @@ _SYMBOLS = {
 }
 
 
+#: Spaces before a number and between a number and its unit, at which no line ends.
+_KEPT = re.compile(r" (?=-?\d)|(?<=\d) (?=(?:%|J|N|kN|g|mm|µm|µs|ms|kg|Pa|MPa|GPa|m/s)(?!\w))")
 _PRIVATE = 0xE000  # first character of Unicode without a meaning
 
 
@@ -159,7 +161,8 @@ def lines_of(text: str, characters: int) -> list[str]:
     }
     for mark, word in marks.items():
         text = re.sub(rf"(?<![\w$\\]){re.escape(word)}(?!\w)", mark, text)
-    filled = "\n".join(textwrap.wrap(text, characters))
+    text = _KEPT.sub("\N{NO-BREAK SPACE}", text)
+    filled = "\n".join(textwrap.wrap(text, characters, break_on_hyphens=False))
     for mark, word in marks.items():
         filled = filled.replace(mark, _SYMBOLS[word])
     return filled.split("\n")

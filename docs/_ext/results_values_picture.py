@@ -39,7 +39,7 @@ _BELOW = 0.4  # ticks and label of an abscissa
 _BETWEEN = 0.14  # panels of a column
 _LEGEND = 0.3
 _CHARACTERS = 18.1  # an inch of labels
-_TITLE_CHARACTERS = 16.0  # an inch of a title
+_TITLE_CHARACTERS = 15.2  # an inch of a title
 _SUBTITLE_CHARACTERS = 17.5
 _NAME_CHARACTERS = 17.0  # of the name of a curve
 
@@ -284,7 +284,7 @@ def _arrow(axes: Axes, point: tuple[float, float], direction: tuple[float, float
 
 
 def _draw_curves(figure: Figure, panel: Panel, place: _Place) -> None:
-    """Draw each curve in axes of its own, with the same ordinate."""
+    """Draw each curve in axes of its own, with the same scales."""
     number = len(panel.curves)
     step = (place.width - _ORDINATE - _EDGE) / number
     gap = 0.08 if number > 1 else 0.0
@@ -293,7 +293,7 @@ def _draw_curves(figure: Figure, panel: Panel, place: _Place) -> None:
         axes = _axes(figure, left, place.top, step - gap, _CURVES)
         _curve(axes, values)
         factor = scale_values(axes, "y", _all_numbers(panel), 5)
-        abscissae = [value.x for value in values if value.x is not None]
+        abscissae = [value.x for value in panel.values() if value.x is not None]
         power = scale_abscissae(axes, abscissae, 3 if number >= _NARROW else 4)
         axes.set_title(_name(panel, name, place.width), fontsize=_SMALL, pad=2, linespacing=1.0)
         if position:
@@ -348,7 +348,7 @@ def _unit(unit: str, factor: str) -> str:
     """Return the label of an axis: the unit, with the power of ten of its labels."""
     if factor and not unit:
         return factor
-    return f"{factor} {_UNITS.get(unit, unit)}".strip()
+    return f"{factor} {typeset(_UNITS.get(unit, unit))}".strip()
 
 
 def _legend(figure: Figure, page: ValuesOfPage) -> None:

@@ -21,6 +21,7 @@ extension("results_axes")
 PICTURE = extension("results_values_picture")
 STORED = STORE.read_stored()
 FOLDER = STORE.STORED.with_suffix("")
+RESOLUTION = 200  # dots per inch, as in the files
 AGAIN = "run .venv/bin/python docs/_ext/results_table.py"
 WITH_PANELS = [name for name, suite in STORED["suites"].items() if PANELS.values_of(suite).panels]
 
@@ -87,8 +88,13 @@ def test_an_abscissa_has_its_unit(template, label):
 
 def test_symbols_take_their_width_in_lines():
     """A symbol is much shorter than its name and its code."""
-    assert QUANTITIES.lines_of("at 3 alpha_y, R*", 12) == [r"at 3 $\alpha_y$, R*"]
-    assert QUANTITIES.typeset("Spin at beta 0.7") == r"Spin at $\beta$ 0.7"
+    assert QUANTITIES.lines_of("at alpha_y, R*", 12) == [r"at $\alpha_y$, R*"]
+    lines = QUANTITIES.lines_of("in-plane, radii 2 to 1, 550 MPa", 20)
+    assert [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines] == [
+        "in-plane, radii 2",
+        "to 1, 550 MPa",
+    ]
+    assert QUANTITIES.typeset("Spin at beta") == r"Spin at $\beta$"
 
 
 def test_rows_that_differ_by_one_number_are_curves():
@@ -183,6 +189,7 @@ def test_all_texts_are_inside_the_figure(name):
     """No title or label is cut off at an edge, and no title of a curve covers another."""
     with style():
         figure = PICTURE.figure_of(PANELS.values_of(STORED["suites"][name]))
+        figure.set_dpi(RESOLUTION)
         figure.canvas.draw()
         names = [axes.title for axes in figure.axes if axes.get_title()]
         headings = [text.get_window_extent() for text in (*figure.texts, *names)]
