@@ -94,14 +94,20 @@ def end_of(tmp_path, points, share) -> str:
 
 def test_means_and_a_sentence(tmp_path):
     points = grid(load__velocity=[1, 2], packing__seed=[1, 2, 3])
-    text = end_of(tmp_path, points, lambda p: 0.3 * p["load.velocity"] + 0.1 * p["packing.seed"])
+    text = end_of(tmp_path, points, lambda p: 0.3 * p["load.velocity"] + 0.05 * p["packing.seed"])
     assert "means of 3 replicates, with 95 % confidence intervals:" in text
     (head,) = [line for line in text.splitlines() if "Impact velocity (m/s)" in line]
-    assert "Dissipated fraction" in head and "0.50 ± 0.25" in text
-    assert (
-        "from 0.50 ± 0.25 (impact velocity 1 m/s) to 0.80 ± 0.25 (impact velocity 2 m/s). It rises with"
-        in text
-    )
+    assert "Dissipated fraction" in head and "0.40 ± 0.12" in text
+    ends = "from 0.40 ± 0.12 (impact velocity 1 m/s) to 0.70 ± 0.12 (impact velocity 2 m/s)"
+    assert f"{ends}. It rises with" in text
+
+
+def test_means_within_their_intervals_have_no_trend(tmp_path):
+    """A difference of 0.3 is less than the combined interval, 0.35."""
+    points = grid(load__velocity=[1, 2], packing__seed=[1, 2, 3])
+    text = end_of(tmp_path, points, lambda p: 0.3 * p["load.velocity"] + 0.1 * p["packing.seed"])
+    ends = "from 0.50 ± 0.25 (impact velocity 1 m/s) to 0.80 ± 0.25 (impact velocity 2 m/s)"
+    assert ends in text and "It rises" not in text
 
 
 def test_the_force_on_the_bottom_is_in_the_table_of_means(tmp_path):
