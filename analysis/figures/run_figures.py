@@ -18,11 +18,14 @@ from typing import BinaryIO
 from granwave.analysis.figures import (
     chains,
     contacts,
+    directions,
     dissipation,
     driven,
     force_map,
     histories,
     lines,
+    peak_force_depth,
+    plastic_zone,
     regions,
     sections,
 )
@@ -89,7 +92,7 @@ class RunFigure:
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
      "Bright lines are chains that carry the wave. White: no force."),
-    ("peak_force_depth", dissipation.peak_force_depth,
+    ("peak_force_depth", peak_force_depth.peak_force_depth,
      "Peak contact force of the first wave against depth, excluding walls",
      "A straight line is exponential. Squares: after a reflection. Crosses: still rising. Circles: "
      "contacts, at their lower sphere."),
@@ -107,10 +110,10 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("dissipation_cumulated", dissipation.dissipation_cumulated, "Cumulative dissipation against "
         "volume",
      "If a curve rises early, few spheres dissipate most of the energy."),
-    ("plastic_zone_growth", dissipation.plastic_zone_growth, "Growth of the plastic zone",
+    ("plastic_zone_growth", plastic_zone.plastic_zone_growth, "Growth of the plastic zone",
      "All yielded spheres are counted. If the curves are constant at the end, the zone is "
      "complete; if they rise, use a longer run."),
-    ("plastic_zone_size", dissipation.plastic_zone_size,
+    ("plastic_zone_size", plastic_zone.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a depth, and beyond a radius about the "
      "impact axis",
      "The curves reach 0.1 at the 90 % depth and radius. The horizontal axis ends where less "
@@ -163,7 +166,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "A straight line is an exponential decay; its rate changes where the two lines meet."),
     ("accelerations", histories.sensors, "Accelerations of the sensors",
      "Sensors at equivalent positions ideally have the same curve."),
-    ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
+    ("directions", directions.directions, "Energy and dissipation by direction from the impact point",
      "Views from above: large values lie along chains of contacts (white rings); equal values are "
      "an isotropic wave."),
     ("contact_network", contacts.contact_network,
@@ -199,7 +202,7 @@ _LONG = ("wave_front", "directions")
 #: Figures of the core that repeat others of some runs.
 _ADDS = {"target": histories.target_moves}
 #: Words for figures of the core that depend on the run.
-_WORDS = {"peak_force_depth": dissipation.words_on_depths}
+_WORDS = {"peak_force_depth": peak_force_depth.words_on_depths}
 _CHAINS = "a chain"
 #: Runs that have a figure of the core, for those that not all runs have.
 _NEEDS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.analysis.figures.dissipation import peak_force_depth
+from granwave.analysis.figures.peak_force_depth import peak_force_depth
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.beads import bead_peaks, beads_on_axis, crest_speed
 from granwave.analysis.measures.force_decay import ForceDecay, force_decay, layer_peaks

@@ -26,15 +26,15 @@ from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import interval, quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
-from granwave.analysis.reports.comparison.figures.registry import FIGURES
-from granwave.analysis.reports.comparison.measured import (
+from granwave.analysis.reports.comparison.deviations import (
     NEGLIGIBLE,
     ROUNDING,
     Deviation,
-    MeasuredCurve,
-    relative_text,
     unranked_reasons,
 )
+from granwave.analysis.reports.comparison.figures.registry import FIGURES
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
+from granwave.analysis.reports.comparison.measured_words import relative_text
 from granwave.analysis.reports.comparison.subjects import (
     MOST_SIDE_BY_SIDE,
     ComparedRun,

@@ -16,6 +16,12 @@ from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
 from granwave.analysis.reports.comparison.curves import SampledCurve
 from granwave.analysis.reports.comparison.definitions import definition_notes, limit_notes
+from granwave.analysis.reports.comparison.deviations import (
+    Deviation,
+    deviation,
+    is_unit_doubtful,
+    unranked_reasons,
+)
 from granwave.analysis.reports.comparison.ends import (
     differ_in_end_only,
     ends_in_words,
@@ -24,17 +30,12 @@ from granwave.analysis.reports.comparison.ends import (
 )
 from granwave.analysis.reports.comparison.figures.figure import FigureData, read_figure
 from granwave.analysis.reports.comparison.figures.registry import FIGURES
-from granwave.analysis.reports.comparison.measured import (
-    Deviation,
-    MeasuredCurve,
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve, read_measured
+from granwave.analysis.reports.comparison.measured_words import (
     closest_sentence,
     coverage_notes,
-    deviation,
-    is_unit_doubtful,
     range_notes,
-    read_measured,
     unit_notes,
-    unranked_reasons,
 )
 from granwave.analysis.reports.comparison.protection import Ranking, protection_rankings
 from granwave.analysis.reports.comparison.scatter import scatter_sentence

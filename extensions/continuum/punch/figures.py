@@ -14,7 +14,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.dissipation import draw_zone_size
+from granwave.analysis.figures.plastic_zone import draw_zone_size
 from granwave.analysis.figures.series import (
     against_time,
     label,

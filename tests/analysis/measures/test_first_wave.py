@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.dissipation import peak_force_depth
+from granwave.analysis.figures.peak_force_depth import peak_force_depth
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.force_decay import (
     both_decays,

@@ -12,7 +12,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from granwave.analysis.document.model import DocumentTable
-from granwave.analysis.figures.dissipation import draw_zone_size
+from granwave.analysis.figures.plastic_zone import draw_zone_size
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.zone_size import (
     LABELS,

@@ -16,8 +16,10 @@ from granwave.analysis.reports.comparison.curves import (
     peaks_by_depth,
     static_force_at_bottom,
 )
+from granwave.analysis.reports.comparison.deviations import deviation
 from granwave.analysis.reports.comparison.figures.bottom_force import draw_bottom_force
-from granwave.analysis.reports.comparison.measured import closest_sentence, deviation, read_measured
+from granwave.analysis.reports.comparison.measured_curve import read_measured
+from granwave.analysis.reports.comparison.measured_words import closest_sentence
 from granwave.analysis.reports.comparison.protection import protection_sentences
 from granwave.analysis.reports.comparison.subjects import compared_runs, value_text
 from granwave.analysis.reports.inputs import read_inputs

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from granwave.analysis.figures.series import COLOURS, label_log_axis
 from granwave.analysis.figures.user_axes import user_figure
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 #: Colours of the runs, a different one for each of the most runs of a figure.

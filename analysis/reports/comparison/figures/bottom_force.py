@@ -20,7 +20,7 @@ from granwave.analysis.reports.comparison.figures.axes import (
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure, itself
 from granwave.analysis.reports.comparison.figures.static_loads import static_notes
-from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _MICRO = 1e6

@@ -15,7 +15,7 @@ from granwave.analysis.reports.comparison.figures.axes import (
     run_styles,
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
-from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _MILLI = 1e3

@@ -21,7 +21,7 @@ from granwave.analysis.reports.comparison.figures.axes import (
     show_times_up_to,
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
-from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
 from granwave.analysis.reports.sentences import share
 

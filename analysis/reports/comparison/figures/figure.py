@@ -9,7 +9,7 @@ from typing import Any
 
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.reports.comparison.curves import SampledCurve
-from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import (
     MOST_CURVES,
     ComparedRun,

@@ -16,7 +16,7 @@ from granwave.analysis.reports.comparison.fields import (
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
 from granwave.analysis.reports.comparison.figures.static_loads import dynamic_notes
-from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 

@@ -9,16 +9,14 @@ import pytest
 
 from granwave.analysis.reports.comparison.blocks import misfit_cells, misfit_tables
 from granwave.analysis.reports.comparison.curves import SampledCurve, force_at_bottom, front
-from granwave.analysis.reports.comparison.measured import (
-    MeasuredCurve,
+from granwave.analysis.reports.comparison.deviations import deviation, unranked_reasons
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve, read_measured
+from granwave.analysis.reports.comparison.measured_words import (
     closest_sentence,
     coverage_notes,
-    deviation,
     range_notes,
-    read_measured,
     relative_text,
     unit_notes,
-    unranked_reasons,
 )
 from granwave.lammps_inputs.errors import InputError
 from tests.analysis.reports.comparison.runs import compared
