@@ -8,17 +8,8 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.series import (
-    panels,
-)
-from granwave.analysis.figures.style import (
-    BLUE,
-    DISSIPATION_MAP,
-    FORCE_MAP,
-    ORANGE,
-    WIDTH,
-    Drawing,
-)
+from granwave.analysis.figures.series import panels
+from granwave.analysis.figures.style import BLUE, DISSIPATION_MAP, FORCE_MAP, ORANGE, WIDTH, Drawing
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures import waves
 from granwave.analysis.measures.geometry import preferred_directions

@@ -6,22 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.sections import spheres_beyond_law
-from granwave.analysis.figures.series import (
-    label,
-    panels,
-)
-from granwave.analysis.figures.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    Drawing,
-    legend_above,
-)
-from granwave.analysis.measures.impact import (
-    cumulated,
-    ranked,
-)
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing, legend_above
+from granwave.analysis.measures.impact import cumulated, ranked
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.cylinders import CYLINDERS
 

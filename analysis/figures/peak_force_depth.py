@@ -11,19 +11,8 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.colouring import force_scale
-from granwave.analysis.figures.series import (
-    label,
-    label_log_axis,
-    panels,
-    with_error,
-)
-from granwave.analysis.figures.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    Drawing,
-    legend_above,
-)
+from granwave.analysis.figures.series import label, label_log_axis, panels, with_error
+from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing, legend_above
 from granwave.analysis.measures.beads import beads_on_axis
 from granwave.analysis.measures.dynamic_force import has_static_forces
 from granwave.analysis.measures.force_decay import (
@@ -35,10 +24,7 @@ from granwave.analysis.measures.force_decay import (
     layer_peaks,
     reason_against,
 )
-from granwave.analysis.measures.impact import (
-    peak_force_by_depth,
-    rays,
-)
+from granwave.analysis.measures.impact import peak_force_by_depth, rays
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 

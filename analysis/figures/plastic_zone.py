@@ -6,21 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.series import (
-    label,
-    panels,
-    time_axis,
-)
-from granwave.analysis.figures.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    Drawing,
-    legend_above,
-)
-from granwave.analysis.measures.impact import (
-    zone_growth,
-)
+from granwave.analysis.figures.series import label, panels, time_axis
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above
+from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.zone_size import (
     BOTTOM,

@@ -37,8 +37,8 @@ from granwave.analysis.formatting.numbers import column_unit
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, report_columns
+from granwave.analysis.reports.comparison.compared_value import MARK, PARTIAL, marked
 from granwave.analysis.reports.comparison.comparison import Comparison
-from granwave.analysis.reports.comparison.values import MARK, PARTIAL, marked
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.sentences import by_part, value_table

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from granwave.analysis.document.model import Cell
+    from granwave.analysis.reports.comparison.compared_value import ComparedValue
     from granwave.analysis.reports.comparison.comparison import Comparison
-    from granwave.analysis.reports.comparison.values import ComparedValue
 
 _MOST_VALUES = 12  # rows at the terminal
 _MOST_KEYS = 12
@@ -65,7 +65,7 @@ def _values(comparison: Comparison) -> str:
 def _number(value: ComparedValue, place: int) -> str:
     """Return a value of the run at a position, with a mark if the end of the run truncates it."""
     from granwave.analysis.formatting.numbers import interval
-    from granwave.analysis.reports.comparison.values import MARK
+    from granwave.analysis.reports.comparison.compared_value import MARK
 
     number = value.values[place]
     if number is None:

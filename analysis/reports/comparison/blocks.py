@@ -25,6 +25,7 @@ from granwave.analysis.document.model import (
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import interval, quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
+from granwave.analysis.reports.comparison.compared_value import ComparedValue, factor, marked
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.deviations import (
     NEGLIGIBLE,
@@ -40,12 +41,7 @@ from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     names_with_cases,
 )
-from granwave.analysis.reports.comparison.values import (
-    ComparedValue,
-    factor,
-    marked,
-    shown_values,
-)
+from granwave.analysis.reports.comparison.values import shown_values
 from granwave.analysis.reports.figures import picture_of
 
 _MOST_VALUES = 10  # rows of the table of values

@@ -14,6 +14,7 @@ from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
+from granwave.analysis.reports.comparison.compared_value import DIFFERENT_MEANING, ComparedValue
 from granwave.analysis.reports.comparison.curves import SampledCurve
 from granwave.analysis.reports.comparison.definitions import definition_notes, limit_notes
 from granwave.analysis.reports.comparison.deviations import (
@@ -46,16 +47,16 @@ from granwave.analysis.reports.comparison.subjects import (
     names_in_words,
     names_with_cases,
 )
-from granwave.analysis.reports.comparison.values import (
-    DIFFERENT_MEANING,
-    ComparedValue,
-    compared_values,
-    differing_values,
+from granwave.analysis.reports.comparison.value_words import (
     equal_in_figures,
     partial_note,
-    results_and_details,
     sentence,
     truncation_note,
+)
+from granwave.analysis.reports.comparison.values import (
+    compared_values,
+    differing_values,
+    results_and_details,
     unknown_values,
     unlike_names,
 )

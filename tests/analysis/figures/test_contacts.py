@@ -15,7 +15,7 @@ import pytest
 from matplotlib.collections import LineCollection, QuadMesh
 
 from granwave.analysis import Result, write_result
-from granwave.analysis.figures import contacts, dissipation, lines, regions
+from granwave.analysis.figures import contacts, lines, peak_force_depth, plastic_zone, regions
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.measures.contact_forces import contact_forces, exponential_tail
@@ -261,7 +261,7 @@ def test_the_legend_has_the_number_of_fitted_layers():
     decay = power_decay(depth, 100.0 * np.exp(-50.0 * depth), 8.0e-3)
     assert decay is not None
     figure, axes = plt.subplots()
-    dissipation._draw_decay(axes, decay, 1.0)
+    peak_force_depth._draw_decay(axes, decay, 1.0)
     (line,) = axes.lines
     plt.close(figure)
     n_layers = decay.n_layers
@@ -277,7 +277,7 @@ def test_captions_explain_what_is_drawn():
     assert "one thousandth of the largest speed" in looks["line_diagram"]
     for name in ("peak_force_orthogonal", "dissipation_orthogonal"):
         assert "Pale spheres" in looks[name]
-    assert f"{dissipation._LEAST:.0e}".replace("-0", "-") in looks["plastic_zone_size"]
+    assert f"{plastic_zone._LEAST:.0e}".replace("-0", "-") in looks["plastic_zone_size"]
     assert "work" not in run_figures()["target"].caption
     assert "curve" not in looks["directions"]
 

@@ -9,7 +9,8 @@ import math
 import numpy as np
 import pytest
 
-from granwave.analysis.reports.comparison.values import ComparedValue, differing_values
+from granwave.analysis.reports.comparison.compared_value import ComparedValue
+from granwave.analysis.reports.comparison.values import differing_values
 from granwave.extensions.continuum.punch import ContinuumCase, mesh
 from granwave.extensions.continuum.punch.resolution import (
     ELEMENTS,

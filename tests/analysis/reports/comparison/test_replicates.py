@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from granwave.analysis.reports.comparison import replicates
+from granwave.analysis.reports.comparison.compared_value import ComparedValue
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures.figure import (
     ComparisonFigure,
@@ -17,7 +18,7 @@ from granwave.analysis.reports.comparison.figures.figure import (
 from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.comparison.scatter import scatter_sentence
 from granwave.analysis.reports.comparison.subjects import ComparedRun, compared_runs
-from granwave.analysis.reports.comparison.values import ComparedValue, shown_values
+from granwave.analysis.reports.comparison.values import shown_values
 
 SCATTER = "packing.diameter_scatter"
 SEED = "packing.seed"

@@ -7,7 +7,8 @@ import pytest
 from granwave.analysis.reports.comparison.blocks import value_table
 from granwave.analysis.reports.comparison.comparison import compare_runs
 from granwave.analysis.reports.comparison.subjects import compared_runs
-from granwave.analysis.reports.comparison.values import compared_values, sentence
+from granwave.analysis.reports.comparison.value_words import sentence
+from granwave.analysis.reports.comparison.values import compared_values
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.workflows.cli.compare import text_of
 from tests.analysis.reports.comparison.runs import compared
