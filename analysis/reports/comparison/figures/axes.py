@@ -167,12 +167,17 @@ def log_if_wide(*panels_of_figure: Axes) -> None:
     lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
     values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
     values = values[np.isfinite(values)]
-    is_wide = len(values) and values.max() > _WIDE * values.min()
+    is_logarithmic = is_wide(values)
     positive = values[values > 0]
     for axes in panels_of_figure:
-        if is_wide and len(positive):
+        if is_logarithmic and len(positive):
             axes.set_yscale("log")
             axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
             label_log_axis(axes, positive.max() / positive.min())
         else:
             axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))
+
+
+def is_wide(values: Array) -> bool:
+    """Return True for values that span more than a decade."""
+    return bool(len(values) and values.max() > _WIDE * values.min())
