@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from granwave.analysis.figures.edges import mark_outside
-from granwave.analysis.figures.series import column_name, label, panels
+from granwave.analysis.figures.series import column_name, label
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import SampledCurve, dissipation_by_depth
@@ -16,6 +16,7 @@ from granwave.analysis.reports.comparison.figures.axes import (
     legend_above,
     log_if_wide,
     run_markers,
+    run_panels,
     run_styles,
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
@@ -32,7 +33,7 @@ def draw_dissipation(
     """Draw the dissipated fraction of the input by layer; triangles at the lower edge of a
     logarithmic axis are layers below it, or without dissipation.
     """
-    figure, axes = panels(2.7)
+    figure, axes = run_panels(len(curves), 1, 2.7)
     columns: dict[str, Array] = {}
     positive = _positive(curves)
     is_logarithmic = is_wide(positive)

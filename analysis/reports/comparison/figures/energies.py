@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.series import against_time, column_name, label, panels
+from granwave.analysis.figures.series import against_time, column_name, label
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
@@ -17,7 +17,10 @@ from granwave.analysis.reports.comparison.curves import (
     numerical_shares,
 )
 from granwave.analysis.reports.comparison.figures.axes import (
+    is_in_a_row,
+    label_lowest,
     legend_above,
+    run_panels,
     run_styles,
     show_times_up_to,
 )
@@ -30,6 +33,7 @@ _KINETIC = "kinetic"
 _WITH_PUNCH = "Kinetic,\nwith punch"
 _BLOCK_KEY = "energy_kinetic_J"
 _PUNCH_KEY = "energy_punch_J"
+_SIDE_BY_SIDE = 2.5  # inches
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 
 
@@ -41,7 +45,7 @@ def draw_energies(
     A form of energy that is zero in every run has no panel.
     """
     forms = [form for form in FORMS if _has_energy(curves, form)]
-    figure, *stack = panels(1.0 + 1.1 * len(forms), rows=len(forms), sharex=True)
+    figure, *stack = run_panels(len(curves), len(forms), 1.0 + 1.1 * len(forms), _SIDE_BY_SIDE)
     columns: dict[str, Array] = {}
     ends: dict[ComparedRun, float] = {}
     for run, look in run_styles(list(curves)).items():
@@ -53,11 +57,13 @@ def draw_energies(
             columns |= {f"{name}_time_s": curve.x, f"{name}_{form}_over_input": curve.y}
         ends[run] = float(curves[run][forms[0]].x[-1])
     for axes, form in zip(stack, forms, strict=True):
-        label(axes, y=_title(form, curves))
+        of_input = " / input" if is_in_a_row(len(curves)) else ""
+        label(axes, y=f"{_title(form, curves)}{of_input}")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    label(stack[-1], "Time (µs)")
-    show_times_up_to(stack[-1], ends)
-    figure.supylabel("Energy / input", fontsize=8)
+        show_times_up_to(axes, ends)
+    label_lowest(stack, len(curves), "Time (µs)")
+    if not is_in_a_row(len(curves)):
+        figure.supylabel("Energy / input", fontsize=8)
     legend_above(figure)
     return Drawing(figure, columns)
 
