@@ -208,7 +208,7 @@ def draw_bars(
         place = part.x + (m - (n_curves - 1) / 2) * width
         errors = _errors(part, "xerr")
         look = _look(m, 1, joined=False) | {"markersize": 5}
-        fill = {"facecolor": look["color"], "hatch": _HATCHES[m // len(_COLOURS) % len(_HATCHES)]}
+        fill = {"facecolor": look["color"], "hatch": _HATCHES[m % len(_HATCHES)]}
         if logarithmic:
             axes.errorbar(part["mean"], place, **look, **errors)
             draw_marks(axes, part["mean"], place, part["mark"], look["marker"], 5, look["color"])
