@@ -141,6 +141,8 @@ class Reached:
         limit = _PERCENT * _MOST_MOMENTUM
         text = f"{percent:.2g}"
         if percent < limit <= float(text):
+            text = f"{percent:.3g}"
+        if percent < limit <= float(text):
             text = f"{math.floor(_TENTHS * percent) / _TENTHS:.1f}"
         return f"{text} %"
 
