@@ -179,8 +179,9 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "1e-4 of the largest are left out."),
     ("line_diagram", lines.line_diagram,
      "Speed of a line of grains in space and time, with the front",
-     "The lower edge of the colours is the front. White: slower than one thousandth of the largest "
-     "speed before the front arrives."),
+     "The circles are the front. White: slower than one thousandth of the largest speed before the "
+     "front arrives. Each snapshot has a row of colours, so with few snapshots their lower edge is up "
+     "to one interval away from the front."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
      "Delays give the speed, peaks the decay. If the peaks differ much, each curve is divided by "
      "its peak in the legend."),
