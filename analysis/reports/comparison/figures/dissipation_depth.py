@@ -6,8 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from granwave.analysis.figures.series import column_name, label, panels
 from granwave.analysis.figures.style import Drawing
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.reports.comparison.curves import SampledCurve, dissipation_by_depth
+from granwave.analysis.reports.comparison.curves import (
+    SampledCurve,
+    dissipation_at_walls,
+    dissipation_by_depth,
+)
 from granwave.analysis.reports.comparison.figures.axes import (
     legend_above,
     log_if_wide,
@@ -19,6 +24,7 @@ from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _MILLI = 1e3
+_MUCH = 0.1  # fraction of the dissipation of a layer
 _DECADES = 1e-4  # lowest over highest value of a logarithmic axis
 
 
@@ -43,10 +49,27 @@ def draw_dissipation(
     return Drawing(figure, columns)
 
 
+def _wall_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
+    """Return a sentence on the layers whose dissipation is largely that at walls; empty without
+    such layers.
+    """
+    texts = []
+    for run in curves:
+        at_walls = dissipation_at_walls(run)
+        place = int(at_walls.y.argmax())
+        if at_walls.y[place] >= _MUCH:
+            depth = quantity_in(float(at_walls.x[place]), "m")
+            texts.append(f"{100 * at_walls.y[place]:.2g} % at {depth} in {run.label}")
+    if not texts:
+        return ""
+    return f"The contacts of a layer with walls are included ({', '.join(texts)})."
+
+
 DISSIPATION_DEPTH = ComparisonFigure(
     "Dissipation by layer, relative to the input",
     dissipation_by_depth,
     draw_dissipation,
+    notes=_wall_notes,
     is_cumulative=True,
     values=("dissipated_fraction", "zone_depth_90_interpolated_m"),
 )
