@@ -46,8 +46,8 @@ CHOSEN = (
         "sphere-contacts",
         "sphere_contact",
         (
-            "Finite elements / law from 1 to 10 alpha_y: largest, brass, equal",
-            "Finite elements / law from 10 alpha_y to 0.2 R*: smallest, brass, equal",
+            "Deviation of finite elements from the law from 1 to 10 alpha_y: largest, brass, equal",
+            "Deviation of finite elements from the law from 10 alpha_y to 0.2 R*: smallest, brass, equal",
         ),
     ),
     (
@@ -123,7 +123,7 @@ MORE = (
         "Chain under a static force: ",
         "benchmarks",
         "chains_precompressed",
-        ("Speed / c0, dynamic force 129 times 1 N",),
+        ("Speed / c0 at F_m/F0 = 129, F0 = 1 N",),
     ),
     (
         "Sphere on a plane: ",
@@ -228,7 +228,7 @@ IN_PAPER = (
         "Wave speed divided by sound speed, precompressed chain",
         "benchmarks",
         "chains_precompressed",
-        ("Speed / c0, dynamic force 129",),
+        ("Speed / c0 at F_m/F0 = 129,",),
     ),
     (
         "Tangential restitution at 20.22 degrees, measured",
