@@ -82,7 +82,7 @@ def _positive(curves: Mapping[ComparedRun, SampledCurve]) -> Array:
     return values[values > 0]
 
 
-def _edge_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
+def edge_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
     """Return a sentence on the layers at the lower edge; empty if there are none."""
     positive = _positive(curves)
     smallest = min(float(curve.y.min()) for curve in curves.values())
@@ -96,7 +96,7 @@ def _edge_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
 
 def depth_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
     """Return the sentences on walls and on layers at the edge; empty if there are none."""
-    return " ".join(filter(None, [_wall_notes(curves), _edge_notes(curves)]))
+    return " ".join(filter(None, [_wall_notes(curves), edge_notes(curves)]))
 
 
 DISSIPATION_DEPTH = ComparisonFigure(
