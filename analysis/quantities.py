@@ -170,6 +170,9 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     Quantity("end_time_s", short="simulated", digits=".6g", note="Time at the end of the run."),
     Quantity("end_reason", short="ended",
              note="Reason for the end of the run, such as end_time or settled."),
+    Quantity("incomplete_values", "Values that the end of the run limits",
+             "Fractions of the input energy and numbers of yielded contacts that still grow in the "
+             "last tenth of the run, and forces on the bottom of which a larger one may follow."),
     Quantity("timestep_s", digits=".4g",
              meaning="Simulated time divided by the number of steps; the mean of an automatic "
              "timestep."),

@@ -22,7 +22,8 @@ from granwave.analysis.result.not_a_run import (
     OF_A_RUN,
     UNFINISHED,
     no_results,
-    resumed,
+    state_in_words,
+    way_on,
     where_stopped,
 )
 from granwave.analysis.result.reader import Result
@@ -96,11 +97,11 @@ class ReportRun:
     @property
     def stopped(self) -> str:
         """State of an unfinished run, with the time that it reached: ``interrupted at 50 µs of
-        1 ms``; empty for a finished run.
+        1 ms``, ``killed at 50 µs``; empty for a finished run.
         """
         if not self.is_unfinished:
             return ""
-        state = str(self.record["state"])
+        state = state_in_words(self.directory, str(self.record["state"])).removeprefix("state ")
         end = self.number("end_time_s")
         if end is None:
             return state
@@ -248,7 +249,7 @@ class ReportKind:
         if SUMMARY_FILE not in names:
             if stop := where_stopped(path):
                 raise UnfinishedRunError(
-                    f"{path}: {stop}, so there is no {SUMMARY_FILE}; resume with  {resumed(path)}"
+                    f"{path}: {stop}, so there is no {SUMMARY_FILE}; {way_on(path)}"
                 )
             raise InputError(
                 f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"

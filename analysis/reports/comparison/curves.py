@@ -284,6 +284,19 @@ def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
     return SampledCurve(mean, lost / given)
 
 
+def dissipation_at_walls(run: ComparedRun) -> SampledCurve:
+    """Return the fraction of the dissipation of each layer that occurred at walls: m, 1."""
+    with run.opened() as result:
+        mean, layer = _layers_below(result)
+        lost = np.bincount(layer, result["spheres/dissipated_energy"], minlength=len(mean))
+        at_walls = np.zeros(len(mean))
+        if "wall_contacts" in result:
+            of_contact = layer[result.rows(result["wall_contacts/id"])]
+            at_wall = result["wall_contacts/dissipated_energy"]
+            at_walls = np.bincount(of_contact, at_wall, minlength=len(mean))
+    return SampledCurve(mean, np.divide(at_walls, lost, out=np.zeros(len(mean)), where=lost > 0))
+
+
 def growth(run: ComparedRun) -> GrowthCurves:
     """Return the growth of the plastic zone, from zero to the end of the run."""
     with run.opened() as result:

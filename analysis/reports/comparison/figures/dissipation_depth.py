@@ -9,8 +9,13 @@ import numpy as np
 from granwave.analysis.figures.edges import mark_outside
 from granwave.analysis.figures.series import column_name, label
 from granwave.analysis.figures.style import Drawing
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.reports.comparison.curves import SampledCurve, dissipation_by_depth
+from granwave.analysis.reports.comparison.curves import (
+    SampledCurve,
+    dissipation_at_walls,
+    dissipation_by_depth,
+)
 from granwave.analysis.reports.comparison.figures.axes import (
     is_wide,
     legend_above,
@@ -24,6 +29,7 @@ from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _MILLI = 1e3
+_MUCH = 0.1  # fraction of the dissipation of a layer
 _DECADES = 1e-4  # lowest over highest value of a logarithmic axis
 
 
@@ -54,6 +60,22 @@ def draw_dissipation(
     return Drawing(figure, columns)
 
 
+def _wall_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
+    """Return a sentence on the layers whose dissipation is largely that at walls; empty without
+    such layers.
+    """
+    texts = []
+    for run in curves:
+        at_walls = dissipation_at_walls(run)
+        place = int(at_walls.y.argmax())
+        if at_walls.y[place] >= _MUCH:
+            depth = quantity_in(float(at_walls.x[place]), "m")
+            texts.append(f"{100 * at_walls.y[place]:.2g} % at {depth} in {run.label}")
+    if not texts:
+        return ""
+    return f"The contacts of a layer with walls are included ({', '.join(texts)})."
+
+
 def _positive(curves: Mapping[ComparedRun, SampledCurve]) -> Array:
     """Return the dissipation of all layers that dissipate."""
     values = np.concatenate([curve.y for curve in curves.values()])
@@ -72,11 +94,16 @@ def edge_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
     )
 
 
+def depth_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
+    """Return the sentences on walls and on layers at the edge; empty if there are none."""
+    return " ".join(filter(None, [_wall_notes(curves), edge_notes(curves)]))
+
+
 DISSIPATION_DEPTH = ComparisonFigure(
     "Dissipation by layer, relative to the input",
     dissipation_by_depth,
     draw_dissipation,
-    notes=edge_notes,
+    notes=depth_notes,
     is_cumulative=True,
     values=("dissipated_fraction", "zone_depth_90_interpolated_m"),
 )
