@@ -58,15 +58,10 @@ def test_labels_name_the_support_before_the_law(tmp_path):
     bar = {"bar.length": 0.6, "bar.area": 2.8e-5, "bar.elements": 200}
     wall = {"material.name": "glass", "contact.law": "hertz", "boundary.bottom": "wall"}
     rod = {"material.name": "steel", "contact.law": "elastoplastic", "boundary.bottom": "free"}
+    places = [write_run(tmp_path / name, figures=False) for name in "ab"]
     runs = [
         dataclasses.replace(run, case=run.case | case)
-        for run, case in zip(
-            read_inputs(
-                [write_run(tmp_path / name, figures=False) for name in "ab"], tmp_path
-            ).runs,
-            (wall, rod | bar),
-            strict=True,
-        )
+        for run, case in zip(read_inputs(places, tmp_path).runs, (wall, rod | bar), strict=True)
     ]
     assert [run.label for run in compared_runs(runs)] == [
         "a: glass, bottom wall, hertz",
