@@ -48,7 +48,8 @@ CHOSEN = (
         "sphere_contact",
         (
             "Deviation of finite elements from the law from 1 to 10 alpha_y: largest, brass, equal",
-            "Deviation of finite elements from the law from 10 alpha_y to 0.2 R*: smallest, brass, equal",
+            "Deviation of finite elements from the law from 10 alpha_y to 0.2 R*: smallest, brass, "
+            "equal",
         ),
     ),
     (

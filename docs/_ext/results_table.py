@@ -82,7 +82,15 @@ There are four kinds of rows:
   any correct code. The second solvers are in `tests/helpers` and share no code with granwave.
 * Rows of *granwave only* have no reference. (Their kind is `alone` in `study_rows.csv`.)
 
-If a source or theory gives only a bound (the end of an axis, or *at most*), no difference is given."""
+If a source or theory gives only a bound (the end of an axis, or *at most*), no difference is
+given."""
+_COUNTING = """\
+A number with its unit and place in a source is one printed value, which several rows may compare:
+with other positions, with variants that test a reason for a difference, or with settings of the
+source, such as its meshes. Equal numbers at one place count once. A value agrees in every
+comparison if all its rows do. Values from theory and verifications are counted by rows. Remarks
+give the reason of a difference where it is known: a misprint ([errata](errata.md)), missing data of
+the source, or an effect that one of the two models does not have."""
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _COUNTS = re.compile(r"(<!-- counts -->)(.*?)(<!-- /counts -->)", re.DOTALL)
 _CLOSE = 0.1  # largest relative deviation that counts as agreement
@@ -255,11 +263,7 @@ edge lie beyond the axis. Rows with only a bound or without a reference are left
 
 {counts_in_words(stored)}
 
-A number with its unit and place in a source is one printed value, which several rows may compare: with other positions, with
-variants that test a reason for a difference, or with settings of the source, such as its meshes. Equal numbers at one place count
-once. A value agrees in every comparison if all its rows do. Values from theory and verifications are counted by rows. Remarks
-give the reason of a difference where it is known: a misprint ([errata](errata.md)), missing data of the source, or an effect that
-one of the two models does not have.
+{_COUNTING}
 
 ## Headline comparisons
 
@@ -277,7 +281,8 @@ largest difference.
 {_far_rows(stored)}
 ## Values outside a bound
 
-For {len(bounds)} values, the source or theory gives only a bound. Of these, {len(outside)} lie outside.
+For {len(bounds)} values, the source or theory gives only a bound.
+Of these, {len(outside)} lie outside.
 
 | quantity | bound | granwave | outside by |
 |---|---|---|---|

@@ -143,8 +143,8 @@ def verdict(measured):
     ends = dict.fromkeys(f"{force:.2f}" for force in (min(loose), max(loose)))
     yield (
         f"Loose cylinders downstream have no effect ({' to '.join(ends)} N for "
-        "any number of cylinders); upstream each pair reduces the peak. In the source the two states are "
-        "exchanged."
+        "any number of cylinders); upstream each pair reduces the peak. In the source the two "
+        "states are exchanged."
     )
 
 
