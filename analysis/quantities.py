@@ -261,8 +261,9 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     Quantity("energy_balance_accepted", "Accepted balance error",
              note="Largest balance error with which this run is accepted; a run with a larger "
              "error is rejected."),
-    Quantity("energy_kinetic_J", "Kinetic energy", note="Kinetic energy at the end, including "
-                                                        "rotation."),
+    Quantity("energy_kinetic_J", "Kinetic energy", note="Kinetic energy at the end. Packings: "
+             "including rotation and the impactor. Continuum: of the block only, without the punch "
+             "(energy_punch_J). The values of packing and continuum cannot be compared."),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
     Quantity("energy_elastic_J", "Elastic energy",
              note="Recoverable energy of contacts, springs and bars at the end."),

@@ -42,7 +42,7 @@ _NO_OUTCOME = (
 #: Values that kinds of runs do not share, or define in another way.
 _OF_ONE_KIND = (
     "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "peak_force_N",
-    "impactor_velocity_m_s",
+    "impactor_velocity_m_s", "energy_input_normalised", "energy_kinetic_J",
 )  # fmt: skip
 #: Values that are left out where they equal another value in every run.
 _REPEATING = (
