@@ -282,6 +282,6 @@ def momentum_in_words(record: Reached) -> str:
     of the impact has arrived.
     """
     return (
-        f"only {record.arrived_in_words} of the impact's momentum has reached the bottom by the end of the run, so "
-        "that a later pulse may be larger"
+        f"only {record.arrived_in_words} of the impact's momentum has reached the bottom by the "
+        "end of the run, so that a later pulse may be larger"
     )

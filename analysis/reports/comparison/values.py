@@ -10,7 +10,12 @@ from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.zone_resolution import error_of
 from granwave.analysis.quantities import quantities, report_columns
-from granwave.analysis.reports.comparison.compared_value import ROUNDING, ComparedValue, digits
+from granwave.analysis.reports.comparison.compared_value import (
+    ROUNDING,
+    STILL_GROWING,
+    ComparedValue,
+    digits,
+)
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
     growing_names,
@@ -240,7 +245,7 @@ def _rank(value: ComparedValue) -> tuple[bool, bool, float]:
     fractions come last, of these values that still grow first.
     """
     is_last = not value.has_complete_runs or value.is_negligible
-    return is_last, is_last and not value.is_growing, -value.spread
+    return is_last, is_last and value.without_ratio != STILL_GROWING, -value.spread
 
 
 def _family(name: str) -> str:

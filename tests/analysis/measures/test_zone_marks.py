@@ -280,7 +280,8 @@ def test_figures_of_zones_have_open_marks(scan):
         assert to_hex(lines[10.0,].get_markerfacecolor()) == "#ffffff"
         assert lines[5.0,].get_fillstyle() == "left"
         (legend,) = figure.legends
-        assert [text.get_text() for text in legend.get_texts()] == list(LABELS.values())
+        expected = [LABELS[mark] for mark in (Mark.CUT, Mark.WAVE)]
+        assert [text.get_text() for text in legend.get_texts()] == expected
     assert not found["peak_force_vs_load_velocity"].figure.legends
     columns = found["zone_depth_90_vs_load_velocity"].columns
     assert columns["zone_reaches_a_boundary"].tolist() == [0, 0, 0, 1]
