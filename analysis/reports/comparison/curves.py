@@ -58,8 +58,10 @@ class PeaksByDepth:
     no_decay
         Reason why there are no fits; empty if there are.
     n_unknown
-        Number of layers that are left out: their force still rises at the end, or includes the
-        reflection from the end of a chain.
+        Number of layers that are left out since a larger pulse may still reach them.
+    n_hidden
+        Number of layers that are left out since their force rose until the reflection from the end
+        of a chain came.
     of_first_wave
         True for the forces of the first wave, False for the largest of the run.
     is_chain
@@ -77,6 +79,7 @@ class PeaksByDepth:
     decays: tuple[ForceDecay, PowerDecay] | None
     no_decay: str = ""
     n_unknown: int = 0
+    n_hidden: int = 0
     of_first_wave: bool = False
     is_chain: bool = False
     later: Array = field(default_factory=lambda: np.empty(0))
@@ -255,7 +258,8 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
         median=peaks.median[shown],
         decays=decays,
         no_decay=no_decay,
-        n_unknown=peaks.n_left_out,
+        n_unknown=peaks.n_left_out - peaks.n_hidden,
+        n_hidden=peaks.n_hidden,
         of_first_wave=peaks.of_first_wave,
         is_chain=is_chain,
         later=peaks.depth[peaks.is_later],
