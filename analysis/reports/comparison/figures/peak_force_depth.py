@@ -260,16 +260,15 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     if whole:
         parts.append(f"of the whole run, with any reflections ({named(whole, len(whole))})")
     later = [
-        f"{np.count_nonzero(one.is_later)} ({run.name})"
+        f"{np.count_nonzero(one.is_later)} in {run.name}"
         for run, one in peaks.items()
         if one.is_later.any()
     ]
     if not later:
         return f"Largest forces {' and '.join(parts)}."
     return (
-        f"Largest forces {' and '.join(parts)}. Markers without a line (not fitted): the force of "
-        "the layer was largest after a reflection from the base may have arrived; number of "
-        f"layers: {', '.join(later)}."
+        f"Largest forces {' and '.join(parts)}. Markers without a line: layers whose largest force "
+        f"may include a reflection ({', '.join(later)}); they are not fitted."
     )
 
 
