@@ -15,7 +15,7 @@ from granwave.analysis.lammps_output.time_series import check_complete, check_un
 from granwave.analysis.products import Product
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.hdf5_file import AT_ONCE
-from granwave.analysis.result.not_a_run import resumed, where_stopped, why_no_run
+from granwave.analysis.result.not_a_run import way_on, where_stopped, why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
@@ -122,7 +122,7 @@ def _advice_to_resume(results: ResultDirectory) -> Iterator[None]:
         if not stop or not (directory / CASE_FILE).exists() or results.kind.why_no_run:
             raise
         fault = str(error).partition(AGAIN)[0].rstrip(" ;,")
-        raise type(error)(f"{fault}: {stop}; resume with  {resumed(directory)}") from None
+        raise type(error)(f"{fault}: {stop}; {way_on(directory)}") from None
 
 
 def _drawn(directory: Path, n_spheres: int, options: Figures) -> tuple[str, ...] | None:

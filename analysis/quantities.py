@@ -170,6 +170,9 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     Quantity("end_time_s", short="simulated", digits=".6g", note="Time at the end of the run."),
     Quantity("end_reason", short="ended",
              note="Reason for the end of the run, such as end_time or settled."),
+    Quantity("incomplete_values", "Values that the end of the run limits",
+             "Fractions of the input energy and numbers of yielded contacts that still grow in the "
+             "last tenth of the run, and forces on the bottom of which a larger one may follow."),
     Quantity("timestep_s", digits=".4g",
              meaning="Simulated time divided by the number of steps; the mean of an automatic "
              "timestep."),
@@ -258,8 +261,9 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     Quantity("energy_balance_accepted", "Accepted balance error",
              note="Largest balance error with which this run is accepted; a run with a larger "
              "error is rejected."),
-    Quantity("energy_kinetic_J", "Kinetic energy", note="Kinetic energy at the end, including "
-                                                        "rotation."),
+    Quantity("energy_kinetic_J", "Kinetic energy", note="Kinetic energy at the end. Packings: "
+             "including rotation and the impactor. Continuum: of the block only, without the punch "
+             "(energy_punch_J). The values of packing and continuum cannot be compared."),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
     Quantity("energy_elastic_J", "Elastic energy",
              note="Recoverable energy of contacts, springs and bars at the end."),

@@ -21,6 +21,7 @@ from granwave.analysis.measures.driven import (
     mean_power_of,
     transmission_of,
 )
+from granwave.analysis.measures.incomplete_values import INCOMPLETE, incomplete_values
 from granwave.analysis.measures.law_errors import law_errors
 from granwave.analysis.measures.lines import (
     line_summary,
@@ -166,6 +167,7 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         "n_ranks": record.get("n_ranks"),
         "end_reason": record.get("end_reason"),
         "energy_balance_accepted": record.get("energy_balance_accepted"),
+        INCOMPLETE: incomplete_values(result),
         "deck_changed": result.results.changed_deck() or None,
         "versions": result.versions,
     }

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.measures.incomplete_values import BOTTOM_PEAKS, incomplete_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, bounds_in_words
 from granwave.analysis.quantities import FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
 from granwave.lammps_inputs.extensions import load
@@ -29,6 +30,8 @@ _GROWING = {
     "plastic_zone_depth_m": "depth",
     "plastic_zone_radius_m": "radius",
 }  # names as `zone_growing` returns them
+
+_STILL_GROWING = ", still growing at the end"
 
 
 class SummaryRow(NamedTuple):
@@ -101,7 +104,9 @@ def has_no_pairs(summary: Mapping[str, Any]) -> bool:
 def _remark(name: str, summary: Mapping[str, Any]) -> str:
     """Return the words after a value: how it was determined, or what it refers to."""
     if _GROWING.get(name) in (summary.get("zone_growing") or ()):
-        return ", still growing at the end"
+        return _STILL_GROWING
+    if name in incomplete_in(summary) and name not in BOTTOM_PEAKS:
+        return _STILL_GROWING
     if name == "wall_peak_force_N" and summary.get("wall_sample_s"):
         return f", sampled every {quantity_in(summary['wall_sample_s'], 's')}"
     if name == "peak_reduction" and summary.get("wall_dynamic_peak_force_N") is not None:

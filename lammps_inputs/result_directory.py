@@ -45,6 +45,7 @@ _REMARKS = {"packing": "source"}  # keys of a case that change no result, by tab
 _DIGEST_LENGTH = 16
 _SHOWN = 3  # keys in a message
 _LONGEST = 40  # characters of a value in a message
+_HELD: set[Path] = set()  # directories that this process has locked
 _OF_AN_ANALYSIS = (run_directory.RESULT_FILE, run_directory.SUMMARY_FILE)
 
 
@@ -92,6 +93,7 @@ class ResultDirectory(OwnFiles):
         except OSError as error:
             raise InputError(f"{self.path}: cannot be written to: {error.strerror}{way}") from None
         self._made = made
+        _HELD.add(self.path.resolve())
 
     def unlock(self) -> None:
         """Release the lock; remove the directory if it was made for the lock and is empty."""
@@ -100,12 +102,15 @@ class ResultDirectory(OwnFiles):
         (self.path / run_directory.LOCK_FILE).unlink(missing_ok=True)
         os.close(self._lock)
         self._lock = None
+        _HELD.discard(self.path.resolve())
         with contextlib.suppress(OSError):
             for path in self._made:
                 path.rmdir()  # succeeds only if the folder is still empty
 
     def busy(self) -> bool:
         """Return True if another process has locked the directory."""
+        if self.path.resolve() in _HELD:
+            return False
         try:
             with (self.path / run_directory.LOCK_FILE).open("r") as lock:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from itertools import cycle
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -118,8 +120,56 @@ def along_chain(result: Result) -> Drawing | None:
     return Drawing(figure, columns)
 
 
-def _draw_peaks_along(axes: Axes, result: Result, wave: FirstWave | None) -> None:
-    """Draw the peak forces of the first wave along a chain, and of the run where they differ.
+def words_along_chain(result: Result, _: Path) -> tuple[str, str]:
+    """Return caption and look of `along_chain` with only the marks and panels of this run."""
+    is_first = not result.case.load.keeps_oscillating
+    peaks = _peaks_along(result, first_wave(result) if is_first else None)
+    caption = "Peak force of the first wave" if is_first else "Largest force of the run"
+    if np.any(peaks.static > 0):
+        caption += " above the static force"
+    if np.any(result.along_chain("dissipated_energy") > 0):
+        caption += ", and dissipation,"
+    caption += " along the chain"
+    if is_first and np.any(peaks.differs):
+        caption += "; crosses: larger forces later in the run"
+    look = "Constant values: no decay."
+    if np.any(peaks.passing > 0):
+        look += (
+            " Open circles: a larger pulse may follow, after the reflection or the end of the run."
+        )
+    return caption, look
+
+
+@dataclasses.dataclass(frozen=True)
+class _PeaksAlong:
+    """Peak forces of the contacts along a chain above the static force, N: (n_contacts,); 0 where
+    there is no value.
+
+    Attributes
+    ----------
+    whole
+        Of the run.
+    known
+        Of the first wave.
+    passing
+        Of the first wave, where a larger pulse may follow.
+    static
+        Force before the load.
+    """
+
+    whole: NDArray[np.float64]
+    known: NDArray[np.float64]
+    passing: NDArray[np.float64]
+    static: NDArray[np.float64]
+
+    @property
+    def differs(self) -> NDArray[np.bool_]:
+        """True where the largest force of the run is larger than the known one: (n_contacts,)."""
+        return self.whole > (1 + _SAME) * self.known
+
+
+def _peaks_along(result: Result, wave: FirstWave | None) -> _PeaksAlong:
+    """Return the peak forces along a chain.
 
     Parameters
     ----------
@@ -131,28 +181,42 @@ def _draw_peaks_along(axes: Axes, result: Result, wave: FirstWave | None) -> Non
     static = np.zeros(len(peak))
     if result.case.precompression is not None:
         static = result["chain/contact_force"][0]
-    scale, unit = _unit(peak)
-    whole = np.where(has_risen, peak - static, 0.0) * scale
-    whole = np.where(whole > _LEAST_FORCE * whole.max(initial=0.0), whole, 0.0)
-    shown = np.zeros(len(peak))
+    whole = np.where(has_risen, peak - static, 0.0)
+    least = _LEAST_FORCE * whole.max(initial=0.0)
+    whole = np.where(whole > least, whole, 0.0)
+    known = np.zeros(len(peak))
     passing = np.zeros(len(peak))
     if wave is not None:
-        shown = np.where(wave.is_known, wave.peak, 0.0) * scale
-        passing = np.where(wave.is_passing, wave.peak, 0.0) * scale
-        passing[passing <= _LEAST_FORCE * whole.max(initial=0.0)] = 0.0
-    number = np.arange(1, len(peak) + 1)
-    differs = whole > (1 + _SAME) * shown
+        known = np.where(wave.is_known, wave.peak, 0.0)
+        passing = np.where(wave.is_passing & (wave.peak > least), wave.peak, 0.0)
+    return _PeaksAlong(whole, known, passing, static)
+
+
+def _draw_peaks_along(axes: Axes, result: Result, wave: FirstWave | None) -> None:
+    """Draw the peak forces of the first wave along a chain, and of the run where they differ.
+
+    Parameters
+    ----------
+    wave
+        None under a load that keeps oscillating.
+    """
+    peaks = _peaks_along(result, wave)
+    scale, unit = _unit(result.along_chain("peak_force"))
+    number = np.arange(1, len(peaks.whole) + 1)
+    differs = peaks.differs
     if np.any(differs):
         look: Any = {"color": GREY, "markersize": 3, "label": "largest of the run"}
-        axes.plot(number[differs], whole[differs], "x", **look)
-    if np.any(shown > 0):
-        _dots(axes, number, shown, "first wave")
-    if np.any(passing > 0):
+        axes.plot(number[differs], peaks.whole[differs] * scale, "x", **look)
+    if np.any(peaks.known > 0):
+        _dots(axes, number, peaks.known * scale, "first wave")
+    passing = peaks.passing > 0
+    if np.any(passing):
         look = {"color": BLUE, "markerfacecolor": "none", "markersize": 3}
         name = "larger pulse may follow"
-        axes.plot(number[passing > 0], passing[passing > 0], "o", label=name, **look)
-    kind = "Dynamic peak force" if np.any(static > 0) else "Peak force"
-    _scale_axis(axes, np.maximum.reduce([whole, shown, passing]), f"{kind} ({unit})")
+        axes.plot(number[passing], peaks.passing[passing] * scale, "o", label=name, **look)
+    kind = "Dynamic peak force" if np.any(peaks.static > 0) else "Peak force"
+    highest = np.maximum.reduce([peaks.whole, peaks.known, peaks.passing])
+    _scale_axis(axes, highest * scale, f"{kind} ({unit})")
     legend_above(axes, 2)
 
 
@@ -241,21 +305,40 @@ def bars(result: Result) -> Drawing | None:
         return None
     figure, upper, lower = panels(3.4, rows=2, sharex=True)
     columns: dict[str, NDArray] = {"energy_time_s": result["energy/time"]}
-    for bar, line in zip(bars_of_run, cycle(LINES), strict=False):
-        time = result[f"walls/{bar.name}/time"]
-        force = result[f"walls/{bar.name}/force"]
-        energy = result[f"energy/{bar.name}"]
-        against_time(upper, time, force * _KILO, line, linewidth=0.9)
-        against_time(lower, result["energy/time"], energy, line, label=bar.name.replace("_", " "))
+    forces = {bar.name: result[f"walls/{bar.name}/force"] for bar in bars_of_run}
+    energies = {bar.name: result[f"energy/{bar.name}"] for bar in bars_of_run}
+    scale, unit = _unit(np.array([np.max(force, initial=0.0) for force in forces.values()]))
+    joules, energy_name = energy_unit(
+        max(float(np.max(energy, initial=0.0)) for energy in energies.values())
+    )
+    for (name, force), line in zip(forces.items(), cycle(LINES), strict=False):
+        time = result[f"walls/{name}/time"]
+        energy = energies[name]
+        against_time(upper, time, force * scale, line, linewidth=0.9)
+        shown = name.replace("_", " ")
+        against_time(lower, result["energy/time"], energy * joules, line, label=shown)
         columns |= {
-            f"{bar.name}_time_s": time,
-            f"{bar.name}_contact_force_N": force,
-            f"{bar.name}_energy_J": energy,
+            f"{name}_time_s": time,
+            f"{name}_contact_force_N": force,
+            f"{name}_energy_J": energy,
         }
-    label(upper, y="Contact force\non the bar (kN)")
-    label(lower, y="Energy in the bar (J)")
+    label(upper, y=f"Contact force\non the bar ({unit})")
+    label(lower, y=f"Energy in the bar ({energy_name})")
     lower.legend()
     return Drawing(figure, columns)
+
+
+def words_on_bars(result: Result, _: Path) -> tuple[str, str]:
+    """Return caption and look of `bars` with the time in which a pulse crosses each bar twice."""
+    returns = [
+        f"{instant(2 * bar.section.length / bar.wave_speed)} ({bar.name.replace('_', ' ')})"
+        for bar in result.assembly.bars
+    ]
+    return (
+        "Bars: contact force and energy",
+        "Each peak is a pulse at the contact with the chain. A pulse in a bar returns from the far "
+        f"end after {' and '.join(returns)}; other peaks come from the chain.",
+    )
 
 
 def sensors(result: Result) -> Drawing | None:

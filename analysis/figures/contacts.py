@@ -231,6 +231,7 @@ _ALIKE = 0.06  # standard deviation / mean of nearly equal forces, which have no
 _FIRST_BIN = 0.25  # upper edge of the first of widening bins / mean force
 _NOT_SMALL = 0.5  # smallest force / mean, above which bins begin with it
 _CURVE = 200  # points of a fitted tail
+_AT_EDGE = 0.92  # height of a remark at the edge / height of the panel
 _BEYOND = 3.0  # ratio of the limits of the axis to the densities
 _LOW_FIGURE = 2.7  # height of a figure with one panel, inches
 _TALL_FIGURE = 4.6  # with two panels
@@ -270,6 +271,8 @@ def force_distribution(result: Result) -> Drawing | None:
     else:
         label(axes, y=_DENSITY, log="y")
     axes.set_xlim(left=0, right=_WIDE if is_wide else None)
+    if is_wide:
+        _say_that_axis_ends(axes, states)
     legend_above(axes, 1, fontsize=7)
     for beyond in of_all:
         _draw_all_forces(beyond, states)
@@ -279,6 +282,21 @@ def force_distribution(result: Result) -> Drawing | None:
 def _is_wide(state: ContactForces) -> bool:
     """Return True if the largest force exceeds 20 times the mean."""
     return float(state.force.max()) > _WIDE * float(state.force.mean())
+
+
+def _say_that_axis_ends(axes: Axes, states: list[ContactForces]) -> None:
+    """Show at the right edge of the first panel that the second panel has larger forces."""
+    largest = max(float(state.force.max() / state.force.mean()) for state in states)
+    axes.annotate(
+        f"up to {largest:.3g} in the lower panel ",
+        xy=(1.0, _AT_EDGE),
+        xytext=(0.94, _AT_EDGE),
+        xycoords="axes fraction",
+        ha="right",
+        va="center",
+        fontsize=7,
+        arrowprops={"arrowstyle": "->", "linewidth": 0.8},
+    )
 
 
 def _draw_all_forces(axes: Axes, states: list[ContactForces]) -> None:

@@ -33,6 +33,7 @@ _STYLES = {
     "depth": (BLUE, "-", "o", BOTTOM),
     "radius": (ORANGE, "--", "s", SIDES),
 }
+_MARKER_SIZE = 4  # points
 _SAME = 1e-9  # relative difference of distances that are equal up to rounding
 
 
@@ -110,6 +111,8 @@ def draw_zone_size(
 ) -> Drawing | None:
     """Draw the fraction of an energy beyond a distance, on a logarithmic axis; None without energy.
 
+    Markers of the sizes are open if the zone reaches a boundary, which limits all of them.
+
     Parameters
     ----------
     energy
@@ -143,7 +146,15 @@ def draw_zone_size(
         )
         sizes = [extent_holding(values, energy, percent / 100) for percent in SHARES]
         left = [1 - percent / 100 for percent in SHARES]
-        axes.plot(np.array(sizes) * _MILLI, left, marker, color=colour, markersize=4)
+        face = "white" if bounds else colour
+        axes.plot(
+            np.array(sizes) * _MILLI,
+            left,
+            marker,
+            color=colour,
+            markerfacecolor=face,
+            markersize=_MARKER_SIZE,
+        )
         beyond = np.flatnonzero(outside > _LEAST)  # all energy is at distance 0
         reach = max(
             reach,
@@ -171,7 +182,16 @@ def draw_zone_size(
     outside_of_all = "Plastic dissipation\nbeyond / total"
     title = f"{title[:1].upper()}{title[1:]} (mm), ${unit}$ = {diameter * _MILLI:.4g} mm"
     label(axes, title, outside_of_all, log="y", **limits)
-    axes.plot([], [], "o", color=GREY, markersize=4, label="contains 50, 90, 99 %")
+    face = "white" if bounds else GREY
+    axes.plot(
+        [],
+        [],
+        "o",
+        color=GREY,
+        markerfacecolor=face,
+        markersize=_MARKER_SIZE,
+        label="contains 50, 90, 99 %",
+    )
     legend_above(axes, 2, fontsize=7)  # three columns are wider than the figure
     return Drawing(figure, columns)
 

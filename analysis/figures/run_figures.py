@@ -156,7 +156,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("amplitude_sweep", driven.amplitude_sweep, "Response of the chain against the load amplitude",
      "A jump, or separate curves, shows two states of the chain at one amplitude."),
     ("bars", chains.bars, "Bars: contact force and energy",
-     "A second peak is a reflected pulse; the energies are given for each bar."),
+     "Each peak is a pulse at the contact with the chain. A pulse in a bar returns from the far end "
+     "after twice its length divided by its wave speed; other peaks come from the chain."),
     ("sensors", chains.sensors, "Sensors",
      "The delay between curves gives the wave speed, and the height of the peaks gives the decay."),
     ("line_speeds", lines.line_speeds, "Speeds along lines of grains",
@@ -178,8 +179,9 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "1e-4 of the largest are left out."),
     ("line_diagram", lines.line_diagram,
      "Speed of a line of grains in space and time, with the front",
-     "The lower edge of the colours is the front. White: slower than one thousandth of the largest "
-     "speed before the front arrives."),
+     "The circles are the front. White: slower than one thousandth of the largest speed before the "
+     "front arrives. Each snapshot has a row of colours, so with few snapshots their lower edge is up "
+     "to one interval away from the front."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
      "Delays give the speed, peaks the decay. If the peaks differ much, each curve is divided by "
      "its peak in the legend."),
@@ -202,7 +204,11 @@ _LONG = ("wave_front", "directions")
 #: Figures of the core that repeat others of some runs.
 _ADDS = {"target": histories.target_moves}
 #: Words for figures of the core that depend on the run.
-_WORDS = {"peak_force_depth": peak_force_depth.words_on_depths}
+_WORDS = {
+    "along_chain": chains.words_along_chain,
+    "bars": chains.words_on_bars,
+    "peak_force_depth": peak_force_depth.words_on_depths,
+}
 _CHAINS = "a chain"
 #: Runs that have a figure of the core, for those that not all runs have.
 _NEEDS = {

@@ -57,6 +57,7 @@ from granwave.analysis.measures.leading_wave import (
     SAME_PEAK,
     has_first_wave,
     leading_peaks_of_spheres,
+    spheres_hidden_by_reflection,
 )
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import reached
@@ -322,6 +323,8 @@ class LayerPeaks:
     of_first_wave
         True if the known forces are those of the first wave. Otherwise they are the largest of the
         run.
+    n_hidden
+        Number of layers among `n_left_out` of a chain whose force rose until the reflection came.
     """
 
     depth: Array
@@ -333,6 +336,7 @@ class LayerPeaks:
     reflection: Array
     n_left_out: int
     of_first_wave: bool
+    n_hidden: int = 0
 
 
 def layer_peaks(result: Result, grains: NDArray[np.bool_] | None = None) -> LayerPeaks:
@@ -367,6 +371,10 @@ def layer_peaks(result: Result, grains: NDArray[np.bool_] | None = None) -> Laye
     if reflection is not None:
         is_later = is_known & _peaks_since(result, layer, largest, reflection)
         is_known &= ~is_later
+    is_left_out = is_reached & ~is_known & ~is_later
+    is_hidden = np.zeros(len(mean), dtype=bool)
+    if is_chain:
+        is_hidden[layer[spheres_hidden_by_reflection(result) & (layer >= 0)]] = True
     return LayerPeaks(
         depth=mean,
         largest=largest,
@@ -375,7 +383,8 @@ def layer_peaks(result: Result, grains: NDArray[np.bool_] | None = None) -> Laye
         is_reached=is_reached,
         is_later=is_later,
         reflection=np.full(len(mean), np.inf) if reflection is None else reflection,
-        n_left_out=int(np.count_nonzero(is_reached & ~is_known & ~is_later)),
+        n_left_out=int(np.count_nonzero(is_left_out)),
+        n_hidden=int(np.count_nonzero(is_left_out & is_hidden)),
         of_first_wave=is_chain or (reflection is not None and bool(np.any(is_known))),
     )
 

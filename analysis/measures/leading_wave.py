@@ -162,6 +162,25 @@ def leading_peaks_of_spheres(result: Result) -> Array:
     return np.where(is_known, largest, np.nan)
 
 
+def spheres_hidden_by_reflection(result: Result) -> NDArray[np.bool_]:
+    """Return True for beads of a chain with a contact whose force rose until the reflection came,
+    and with no contact that a larger pulse may still reach: (n_spheres,).
+    """
+    wave = first_wave(result)
+    is_hidden = np.zeros(result.n_spheres, dtype=bool)
+    is_awaiting = np.zeros(result.n_spheres, dtype=bool)
+    if wave.reflection is None:
+        return is_hidden
+    for name in ("chain/contact_i", "chain/contact_j"):
+        ids = result[name]
+        is_bead = ids <= result.n_spheres
+        rows = result.rows(ids[is_bead])
+        rising = ~(wave.is_known | wave.is_passing)[is_bead]
+        is_hidden[rows[rising]] = True
+        is_awaiting[rows[wave.is_passing[is_bead]]] = True
+    return is_hidden & ~is_awaiting
+
+
 def stretch_speeds(result: Result) -> dict[str, float]:
     """Return the speed of the wave front in each stretch of a chain of one material and diameter,
     m/s, by its name; empty for a uniform chain. Stretches with fewer than four beads below the five

@@ -7,6 +7,7 @@ momentum of the impact has reached the target.
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,8 @@ if TYPE_CHECKING:  # loads h5py, which `granwave check` does without
 
 #: Fraction of the momentum of an impact: as long as the impulse on the bottom is smaller, a later
 #: pulse may be larger than the pulses so far.
+_PERCENT = 100.0
+_TENTHS = 10.0
 _MOST_MOMENTUM = 0.8
 _LAST_PART = 0.1  # fraction of the record in which an impulse may still grow ...
 _GROWTH = 0.01  # ... by more than this fraction of its value
@@ -130,6 +133,18 @@ class Reached:
         if not self.momentum_down or not len(self.force):
             return None
         return float(self.dynamic_impulse[-1]) / self.momentum_down
+
+    @property
+    def arrived_in_words(self) -> str:
+        """The same fraction in per cent; one that is below 80 % is not rounded to it."""
+        percent = _PERCENT * (self.arrived_momentum or 0.0)
+        limit = _PERCENT * _MOST_MOMENTUM
+        text = f"{percent:.2g}"
+        if percent < limit <= float(text):
+            text = f"{percent:.3g}"
+        if percent < limit <= float(text):
+            text = f"{math.floor(_TENTHS * percent) / _TENTHS:.1f}"
+        return f"{text} %"
 
     @property
     def awaits_momentum(self) -> bool:
@@ -266,8 +281,7 @@ def momentum_in_words(record: Reached) -> str:
     """Return a clause on a force on the bottom that may become larger, since little of the momentum
     of the impact has arrived.
     """
-    percent = f"{100 * (record.arrived_momentum or 0.0):.2g} %"
     return (
-        f"only {percent} of the impact's momentum has reached the bottom by the end of the run, so "
-        "that a later pulse may be larger"
+        f"only {record.arrived_in_words} of the impact's momentum has reached the bottom by the "
+        "end of the run, so that a later pulse may be larger"
     )

@@ -32,6 +32,7 @@ from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.beads import crest_speed
 from granwave.analysis.measures.force_decay import ForceDecay, force_decay
+from granwave.analysis.measures.incomplete_values import DISSIPATED_FRACTION, incomplete_in
 from granwave.analysis.measures.leading_wave import stretch_speeds
 from granwave.analysis.measures.regions import stretches
 from granwave.analysis.measures.target_record import momentum_in_words, reached
@@ -80,7 +81,11 @@ _SENTENCES = (
     "The peak force of the wave above the static force {dynamic_decay}.",
     "{absorbed_fraction} of the input energy of {energy_input_J} was absorbed by the absorbing "
     "boundary.",
+    "{absorbed_so_far} of the input energy of {energy_input_J} was absorbed by the absorbing "
+    "boundary by the end of the run, and this fraction still rises.",
     "{lost} of the input energy of {energy_input_J} was dissipated.",
+    "{lost_so_far} of the input energy of {energy_input_J} was dissipated by the end of the run, "
+    "and this fraction still rises.",
     "{transmission} of the velocity of the driven end, {driven_velocity_m_s}, was transmitted.",
     "The largest contact force was {peak_force_N}.",
     "The largest force between two spheres was {between_spheres}.",
@@ -103,6 +108,7 @@ _SENSORS = (  # values of the sensors with the largest and smallest signal, with
     "Sensors recorded at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least "
     "{{sensor_{1}_peak_velocity_m_s}} ({1})."
 )
+_ABSORBED = "absorbed_fraction"
 _AT_BOTTOM = "The peak force on the bottom was {bottom_bore}."
 
 
@@ -323,6 +329,7 @@ def in_words(run: ReportRun) -> str:
         values["kept"] = values["energy_input_J"]
     if absorbed <= WORTH:
         values.pop("absorbed_fraction", None)
+    _name_growing(summary, values)
     run.kind.name_values(run, values)
     _name_zone(run, values)
     _name_forces(run, values)
@@ -345,6 +352,19 @@ def in_words(run: ReportRun) -> str:
     )
     sensors = [_SENSORS.format(*ends)] if ends else []
     return sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
+
+
+def _name_growing(summary: Mapping[str, Any], values: dict[str, str]) -> None:
+    """Rename the fractions of the input energy that still grow at the end of a run."""
+    growing = {name for name in incomplete_in(summary) if name.endswith("_fraction")}
+    if _ABSORBED in growing and _ABSORBED in values:
+        values["absorbed_so_far"] = values.pop(_ABSORBED)
+    parts = growing - {DISSIPATED_FRACTION, _ABSORBED}
+    has_growing_losses = DISSIPATED_FRACTION in growing and (
+        bool(parts) or _ABSORBED not in growing
+    )
+    if has_growing_losses and "lost" in values:
+        values["lost_so_far"] = values.pop("lost")
 
 
 def _has_two_decays(run: ReportRun, line: str) -> bool:

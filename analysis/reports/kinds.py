@@ -22,7 +22,8 @@ from granwave.analysis.result.not_a_run import (
     OF_A_RUN,
     UNFINISHED,
     no_results,
-    resumed,
+    state_in_words,
+    way_on,
     where_stopped,
 )
 from granwave.analysis.result.reader import Result
@@ -96,11 +97,11 @@ class ReportRun:
     @property
     def stopped(self) -> str:
         """State of an unfinished run, with the time that it reached: ``interrupted at 50 µs of
-        1 ms``; empty for a finished run.
+        1 ms``, ``killed at 50 µs``; empty for a finished run.
         """
         if not self.is_unfinished:
             return ""
-        state = str(self.record["state"])
+        state = state_in_words(self.directory, str(self.record["state"])).removeprefix("state ")
         end = self.number("end_time_s")
         if end is None:
             return state
@@ -248,7 +249,7 @@ class ReportKind:
         if SUMMARY_FILE not in names:
             if stop := where_stopped(path):
                 raise UnfinishedRunError(
-                    f"{path}: {stop}, so there is no {SUMMARY_FILE}; resume with  {resumed(path)}"
+                    f"{path}: {stop}, so there is no {SUMMARY_FILE}; {way_on(path)}"
                 )
             raise InputError(
                 f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"
@@ -288,6 +289,12 @@ class ReportKind:
     def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
         """Return the keys of the load of a case, by dotted keys, with the names of a packing."""
         return {}
+
+    def energy_unit(self, run: ReportRun) -> float:
+        """Return sigma_y^2 D^3/E, in which inputs of runs of all kinds are compared, J; 0 for a run
+        without a yield strength.
+        """
+        return 0.0
 
     def setting(self, run: ReportRun) -> str:
         """Return a description of the run in a line; empty: its case describes it."""
@@ -354,6 +361,10 @@ class GranularKind(ReportKind):
         """Return a run as studies take it."""
         return read_run(run.label, run.directory, run.summary)
 
+    def energy_unit(self, run: ReportRun) -> float:
+        """Return the unit with the diameter of the spheres, J."""
+        return unit_of_energy(run, "packing.diameter")
+
     def name_values(self, run: ReportRun, values: dict[str, str]) -> None:
         """Distinguish the largest force between spheres from the largest force including walls."""
         pairs = values.pop("peak_force_N", "")
@@ -402,6 +413,15 @@ def warning_notes(runs: Sequence[ReportRun]) -> list[str]:
         for text in run.warnings:
             names.setdefault(text, []).append(run.label)
     return [f"{WARNING_OF} {named(labels)}: {text}." for text, labels in names.items()]
+
+
+def unit_of_energy(run: ReportRun, diameter_key: str) -> float:
+    """Return sigma_y^2 D^3/E of the material of a case, J; 0 if it lacks one of them."""
+    keys = (diameter_key, "material.yield_strength", "material.youngs_modulus")
+    diameter, strength, modulus = (run.case.get(key) for key in keys)
+    if not (strength and diameter and modulus):
+        return 0.0
+    return float(strength**2 * diameter**3 / modulus)
 
 
 def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:

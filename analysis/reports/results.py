@@ -64,6 +64,8 @@ MOST_ROWS = 14  # most values of one run in the first section
 _LONGEST = 600  # most characters of a reason
 _ROUNDING = 1e-9  # relative difference of equal values
 _TIMES = 10.0  # relative difference from which on it is given as a ratio
+_NEARLY_NOTHING = -0.995  # relative difference that would read -100 %
+_SETTINGS = ("energy_balance_accepted",)  # values of a summary that are no results
 _STATUS = "Status"
 _NUMBER = TableColumn("#", numeric=True, key=True)
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no results
@@ -380,10 +382,8 @@ def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> l
             Cell(unit),
             *cells,
         ]
-        if pair and key in without_ratio:
-            row.append(Cell(without_ratio[key]))
-        elif pair:
-            row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
+        if pair:
+            row.append(_difference_of(key, runs, without_ratio.get(key, "")))
         rows.append(tuple(row))
     caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
     table = DocumentTable(caption, tuple(columns), tuple(rows), by_row=True)
@@ -394,6 +394,16 @@ def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> l
 def _is_among(run: ReportRun, runs: Sequence[ReportRun]) -> bool:
     """Return True if a run is one of some runs."""
     return any(run is other for other in runs)
+
+
+def _difference_of(key: str, runs: Sequence[ReportRun], without_ratio: str) -> Cell:
+    """Return the cell of the difference of a value of two runs, or the reason for which it has
+    none; empty if a run lacks the value, and for settings.
+    """
+    first, second = [run.summary.get(key) for run in runs]
+    if first is None or second is None or key in _SETTINGS:
+        return Cell("")
+    return Cell(without_ratio) if without_ratio else _difference(first, second)
 
 
 def _difference(first: Any, second: Any) -> Cell:
@@ -409,6 +419,8 @@ def _difference(first: Any, second: Any) -> Cell:
     value = 0.0 if abs(change) < _ROUNDING else 100 * change
     if change >= _TIMES:
         return Cell(f"{second / first:.3g} times", value)
+    if second and change < _NEARLY_NOTHING:
+        return Cell(f"{second / first:.2g} times", value)
     return Cell(percent(value), value)
 
 

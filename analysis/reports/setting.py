@@ -58,6 +58,7 @@ _PAIRS = "pair"  # tables of laws between two materials
 _LAW = "law"
 KIND_OF_PACKING = "packing.kind"
 ORIGIN = "packing.source"
+_SIDES = {"periodic": "periodic sides", "wall": "side walls"}
 _OF_GRAVITY = ("precompression.acceleration", "precompression.strikers")
 _SCATTER = "packing.diameter_scatter"
 _OF_SCATTER = ("packing.scatter_distribution",)
@@ -90,6 +91,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     diameter = case.get("packing.diameter")
     parts = [
         _body(case),
+        _sides(case),
         _materials(case),
         quantity_in(diameter, "m") if isinstance(diameter, float | int) else "",
         _load(case),
@@ -104,6 +106,14 @@ _MOST_MATERIALS = 3  # these are named, others are counted
 
 
 def _materials(case: Mapping[str, Any]) -> str:
+    """Return the names of the materials in the packing, or their number."""
+    names = _names_of_materials(case)
+    if len(names) > _MOST_MATERIALS:
+        return f"{len(names)} materials"
+    return " and ".join(names)
+
+
+def _names_of_materials(case: Mapping[str, Any]) -> list[str]:
     """Return the names of the materials in the packing: its own material, unless every sphere is
     replaced, and the materials of ``[[replace]]``.
     """
@@ -116,9 +126,7 @@ def _materials(case: Mapping[str, Any]) -> str:
     size = case.get("packing.size")
     if len(replaced) == math.prod(size if isinstance(size, list | tuple) else [size or -1]):
         del names[next(iter(names))]
-    if len(names) > _MOST_MATERIALS:
-        return f"{len(names)} materials"
-    return " and ".join(filter(None, names))
+    return [name for name in names if name]
 
 
 def _name_of(material: Any) -> str:
@@ -167,8 +175,9 @@ def symbols_note(inputs: ReportInputs, uses: Callable[[str], bool] | None = None
     if any(run.number("dissipated_fraction") for run in packings):
         put_in += ", and e_dis the dissipated energy"
     called = grains_called_in([run.summary for run in packings])
+    two = f"two {called}{_of_material([run.case for run in unlike.values()])}"
     rows: list[Symbol] = [
-        ("F_y", [law.yield_force for law in laws], "N", f"the force at which a contact of two {called} first yields"),
+        ("F_y", [law.yield_force for law in laws], "N", f"the force at which a contact of {two} first yields"),
         ("alpha_y", [law.yield_overlap for law in laws], "m", "the overlap at first yield"),
         ("F_y alpha_y", [law.yield_force * law.yield_overlap for law in laws], "J", "the unit of energies"),
         ("F_max", largest if not laws and any(largest) else (), "N", f"the largest force between two {called} in the run"),
@@ -184,6 +193,16 @@ def symbols_note(inputs: ReportInputs, uses: Callable[[str], bool] | None = None
         if values and (uses is None or uses(symbol))
     ]
     return [Note(" ".join(said))] if said else []
+
+
+def _of_material(cases: Sequence[Mapping[str, Any]]) -> str:
+    """Return the material of the contacts whose constants are given, if a packing has several; empty
+    otherwise.
+    """
+    if all(len(_names_of_materials(case)) <= 1 for case in cases):
+        return ""
+    own = [_name_of(case.get("material.name") or case.get(_MATERIAL)) for case in cases]
+    return f" of {' or '.join(dict.fromkeys(filter(None, own)))}".removesuffix(" of ")
 
 
 def _values_in(values: Sequence[float], unit: str, names: Sequence[str]) -> str:
@@ -236,6 +255,11 @@ def _body(case: Mapping[str, Any]) -> str:
     if shape and is_chain(case):
         return f"chain of {shape}"
     return f"{kind} {shape}".rstrip()
+
+
+def _sides(case: Mapping[str, Any]) -> str:
+    """Return the kind of sides; empty for free ones."""
+    return _SIDES.get(str(case.get("boundary.sides")), "")
 
 
 def _grains_of(case: Mapping[str, Any]) -> str:

@@ -257,10 +257,13 @@ def row_tables(study: Study) -> list[DocumentTable | Note]:
         names = [_quantity_name(row, footnotes) for row in rows]
         columns = [
             (TableColumn("Quantity", key=True), [Cell(name, name) for name in names]),
-            (TableColumn("Source", numeric=True), [_source(row) for row in rows]),
+            (
+                TableColumn("Source", numeric=True),
+                [_reference(row.source, bound=row.bound) for row in rows],
+            ),
             (TableColumn("Ours", numeric=True), [_number(row.ours, row.digits) for row in rows]),
             (TableColumn("Difference", numeric=True), [_difference(row.deviation) for row in rows]),
-            (TableColumn(theory, numeric=True), [value_cell(row.theory) for row in rows]),
+            (TableColumn(theory, numeric=True), [_theory(row) for row in rows]),
             (TableColumn("Where"), [Cell(row.where, row.where) for row in rows]),
         ]
         blocks += [Note(_VERIFIES)] if kind == "verification" else []
@@ -288,10 +291,15 @@ def _quantity_name(row: Row, footnotes: Mapping[str, str]) -> str:
     return f"{name} {footnotes[row.remark]}" if row.remark else name
 
 
-def _source(row: Row) -> Cell:
-    if row.bound and row.source is not None:
-        return Cell(f"{significant(row.source, 5)} (bound)", row.source)
-    return value_cell(row.source)
+def _theory(row: Row) -> Cell:
+    """Return the value of theory, which is a bound only in a row without a source."""
+    return _reference(row.theory, bound=row.bound and row.source is None)
+
+
+def _reference(value: float | None, *, bound: bool) -> Cell:
+    if bound and value is not None:
+        return Cell(f"{significant(value, 5)} (bound)", value)
+    return value_cell(value)
 
 
 def _number(value: float | None, digits: int) -> Cell:

@@ -21,7 +21,8 @@ from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.result_directory import ResultDirectory
 
 OF_A_RUN = (files.CASE_FILE, files.SUMMARY_FILE, files.RECORD_FILE, files.RESULT_FILE)
-UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
+_RUNNING = "running"
+UNFINISHED = (_RUNNING, "interrupted", "failed")  # states of run.json with nothing to report
 _MOST_NAMED = 5  # files in a message
 
 
@@ -59,7 +60,7 @@ def why_no_run(path: Path) -> str:
     if files.CASE_FILE not in found:
         return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with force=True"
     if stop := where_stopped(path):
-        return f"{path}: {stop}; resume with  {resumed(path)}"
+        return f"{path}: {stop}; {way_on(path)}"
     return f"{path / files.RESULT_FILE} is missing: make it with  granwave analyse {path}"
 
 
@@ -75,12 +76,23 @@ def where_stopped(path: Path) -> str:
         return ""
     time = record.get("end_time_s")
     reached = f"reached {quantity_in(time, 's')}; " if time else ""
-    return f"{reached}the run is not finished (state {state})"
+    return f"{reached}the run is not finished ({state_in_words(path, state)})"
 
 
-def resumed(path: Path) -> str:
-    """Return the command that resumes an unfinished run."""
-    return f"granwave run {path / files.CASE_FILE} -o {path} --resume"
+def state_in_words(path: Path, state: str) -> str:
+    """Return the state of the record of an unfinished run in words: a record of a running run whose
+    directory no process has locked is that of a killed run.
+    """
+    if state != _RUNNING:
+        return f"state {state}"
+    return "still running" if ResultDirectory(path).busy() else "killed"
+
+
+def way_on(path: Path) -> str:
+    """Return the advice for an unfinished run: to wait, or the command that resumes it."""
+    if ResultDirectory(path).busy():
+        return "wait for its end"
+    return f"resume with  granwave run {path / files.CASE_FILE} -o {path} --resume"
 
 
 def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> str:

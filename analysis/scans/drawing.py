@@ -53,6 +53,7 @@ _CHARACTER = 0.066  # inches, approximate width of a character
 _HANDLE = 5  # width of a mark in a legend, characters
 _LINE_OF_NAME = 28  # longest line of a category's name, characters
 _LINE_OF_LEGEND = 52  # longest line of a legend, characters
+_CROSS = 2.0  # size of a cross, relative to the marker below it
 _MOST_MARKED = 60  # largest number of points of a curve with markers
 _SPREAD = 30.0  # largest / smallest value above which an axis of values is logarithmic
 _DECADE = 10.0  # largest / smallest value above which an axis may be logarithmic
@@ -74,7 +75,7 @@ def draw_curves(
     """Draw curves with markers and a legend above, or a colour scale if there are many curves.
 
     Points of plastic zones that reach a boundary are open, half open if a wave returned from a
-    boundary.
+    boundary. Crosses are points of values that the end of the run limits.
 
     Parameters
     ----------
@@ -187,7 +188,8 @@ def draw_bars(
     """Draw bars by category, below each other, with a bar for each curve.
 
     On a logarithmic axis points are drawn instead. Bars of plastic zones that reach a boundary are
-    open, pale if a wave returned from a boundary.
+    open, pale if a wave returned from a boundary, and crossed if the end of the run limits the
+    value.
     """
     n_curves = points.curve.nunique()
     names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
@@ -208,7 +210,7 @@ def draw_bars(
         place = part.x + (m - (n_curves - 1) / 2) * width
         errors = _errors(part, "xerr")
         look = _look(m, 1, joined=False) | {"markersize": 5}
-        fill = {"facecolor": look["color"], "hatch": _HATCHES[m // len(_COLOURS) % len(_HATCHES)]}
+        fill = {"facecolor": look["color"], "hatch": _HATCHES[m % len(_HATCHES)]}
         if logarithmic:
             axes.errorbar(part["mean"], place, **look, **errors)
             draw_marks(axes, part["mean"], place, part["mark"], look["marker"], 5, look["color"])
@@ -314,10 +316,14 @@ def marked_marker(mark: Mark, marker: str, size: float, colour: Any) -> dict[str
     }
     if mark is Mark.CUT:
         return look | {"markerfacecolor": "white"}
+    if mark is Mark.END:
+        return look | {"marker": "x", "markersize": _CROSS * size, "markeredgewidth": 1.1}
     return look | {"fillstyle": "left", "markerfacecoloralt": "white"}
 
 
 def _marked_fill(mark: Mark, colour: str) -> dict[str, Any]:
+    if mark is Mark.END:
+        return {"facecolor": to_rgba(colour, 0.35), "edgecolor": colour, "hatch": "xxx"}
     return {
         "facecolor": "white" if mark is Mark.CUT else to_rgba(colour, 0.35),
         "edgecolor": colour,

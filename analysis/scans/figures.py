@@ -17,7 +17,8 @@ from pandas import DataFrame, Series
 
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.measures.zone_size import mark_of
+from granwave.analysis.measures.incomplete_values import incomplete_in
+from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.quantities import quantity
 from granwave.analysis.scans.abscissae import FEWEST, FEWEST_LEVELS, choices_of_axes, keys_of_curves
 from granwave.analysis.scans.curve_points import (
@@ -182,7 +183,7 @@ class _Data:
         joined = all(is_one_line(rows, x, self.keys.values()) for rows in curves)
         figures: Drawers = {}
         for ordinate, values in self.ordinates:
-            table = table_of_curves(x, others, values, self.marks * ordinate.zone)
+            table = table_of_curves(x, others, values, self._marks_of(ordinate.key, ordinate.zone))
             if table is not None:
                 figures[f"{ordinate.name}_vs_{x.slug}"] = partial(
                     _curves, x, others, ordinate, table, joined=joined
@@ -195,10 +196,15 @@ class _Data:
         others = [self.keys[other] for other in self.free if other != name]
         figures: Drawers = {}
         for ordinate, values in self.ordinates:
-            table = table_of_bars(x, others, values, self.marks * ordinate.zone)
+            table = table_of_bars(x, others, values, self._marks_of(ordinate.key, ordinate.zone))
             if table is not None:
                 figures[f"{ordinate.name}_vs_{x.slug}"] = partial(_bars, x, others, ordinate, table)
         return figures
+
+    def _marks_of(self, key: str, is_of_zone: bool) -> Series:
+        """Return the marks of a quantity by row: its end, or the boundaries of a plastic zone."""
+        ends = {row: key in incomplete_in(point.summary) for row, point in self.points.items()}
+        return (self.marks * is_of_zone).mask(Series(ends, dtype=bool), int(Mark.END))
 
     def collapses(self) -> Drawers:
         """Return functions that draw dissipation and plastic volume on normalised axes."""
@@ -208,13 +214,13 @@ class _Data:
                 "velocity_normalised",
                 (quantity(fraction).title, fraction),
                 _values(value_of(fraction), self.points),
-                self.marks * False,
+                self._marks_of(fraction, False),
             ),
             "collapse_plastic_volume": self._collapse(
                 "energy_input_normalised",
                 (r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$", "plastic_volume_in_spheres"),
                 _values(plastic_spheres, self.points),
-                self.marks,
+                self._marks_of("n_plastic_spheres", True),
             ),
         }
         return {name: draw for name, draw in figures.items() if draw is not None}

@@ -22,6 +22,7 @@ from granwave.analysis.formatting.numbers import (
 )
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.collision import TOUCHING_ENERGY
+from granwave.analysis.measures.incomplete_values import incomplete_in
 from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, is_collision, mark_of
 from granwave.analysis.quantities import quantity, scan_figures
@@ -56,6 +57,7 @@ _MAIN = (
     "n_plastic_spheres",
 )
 _OF_ZONE = ("n_plastic_", "plastic_zone_", "zone_")  # names of values of the plastic zone
+_YIELDED = "n_plastic_spheres"
 _OF_PACKING = ("packing.", "striker", "replace")  # keys whose values change a random packing
 _RESTITUTION = "restitution"
 _MOST_MISSING = 3  # most points without a value that a sentence names
@@ -94,6 +96,11 @@ class Means:
         Word for the grains of its runs.
     has_limited_zones
         True if the plastic zone of a point reaches a boundary, which limits its values.
+    incomplete
+        Rows with a point whose end limits a value, by name of the quantity; see
+        `granwave.analysis.measures.incomplete_values`.
+    without_zone
+        Rows in which no contact yields.
     """
 
     keys: tuple[VariedKey, ...]
@@ -105,6 +112,8 @@ class Means:
     protection: bool = False
     called: str = SPHERES
     has_limited_zones: bool = False
+    incomplete: Mapping[str, frozenset[int]] = dataclasses.field(default_factory=dict)
+    without_zone: frozenset[int] = frozenset()
 
     @property
     def figures(self) -> dict[str, str]:
@@ -114,7 +123,7 @@ class Means:
     def quantities(self) -> list[tuple[str, str]]:
         """Return the quantities that have figures, as names of figure and value: first those for
         which scans are made and those that vary clearly, then those that vary by less than
-        `_CLEAR`, then constant ones.
+        `_CLEAR`, then those that vary within their confidence intervals, then constant ones.
 
         A value for which scans are made may be unknown at some points; see `is_mostly_known`.
         """
@@ -130,7 +139,9 @@ class Means:
                 change = self._change(key)
                 is_slight = change <= _CLEAR and key not in _AIMS
                 is_limited = self.has_limited_zones and key.startswith(_OF_ZONE)
-                quantities.append((change <= SAME, is_limited, is_slight, rank, name, key))
+                is_unclear = self._are_within_intervals(key, *self._ends(key))
+                order = (change <= SAME, is_unclear, is_limited, is_slight, rank)
+                quantities.append((*order, name, key))
         return [(name, key) for *_, name, key in sorted(quantities)]
 
     def varies(self, name: str) -> bool:
@@ -168,6 +179,11 @@ class Means:
             text += self._comparison(main, low, high)
         if not is_whole:
             text += f" {self._unknown(main)}"
+        if rows := self.incomplete.get(main):
+            text += (
+                f" It is not final at {len(rows)} of {len(self.counts)} points, where the end of "
+                f"the run limits it ({self._named(sorted(rows))}): increase run.end_time."
+            )
         return in_grains(text, self.called)
 
     def _comparison(self, main: str, low: int, high: int) -> str:
@@ -195,15 +211,27 @@ class Means:
         """Return a sentence on the points without a value of a quantity, with the reason."""
         known = self.known_rows(main)
         missing = [row for row in range(len(self.counts)) if row not in known]
-        named = "; ".join(self.setting(row) for row in missing[:_MOST_MISSING])
-        more = len(missing) - _MOST_MISSING
-        others = f" and {more} more" if more > 0 else ""
+        if self._lack_zone(main, missing):
+            return (
+                f"There is no plastic zone at {len(missing)} of {len(self.counts)} points "
+                f"({self._named(missing)})."
+            )
         reasons = {self.reasons[row] for row in missing} if main == _RESTITUTION else set()
         reason = f", because {reasons.pop()}" if len(reasons) == 1 and "" not in reasons else ""
         return (
             f"It is unknown at {len(missing)} of {len(self.counts)} points "
-            f"({named}{others}){reason}."
+            f"({self._named(missing)}){reason}."
         )
+
+    def _named(self, rows: Sequence[int]) -> str:
+        """Return the settings of rows in words; of many rows the first ones."""
+        named = "; ".join(self.setting(row) for row in rows[:_MOST_MISSING])
+        more = len(rows) - _MOST_MISSING
+        return f"{named} and {more} more" if more > 0 else named
+
+    def _lack_zone(self, name: str, rows: Iterable[int]) -> bool:
+        """Return True for a value of the plastic zone and rows in which no contact yields."""
+        return name.startswith(_OF_ZONE) and self.without_zone.issuperset(rows)
 
     def range_in_words(self, name: str) -> str:
         """Return the range of a quantity, its trends, and the number of points without it; without
@@ -211,9 +239,13 @@ class Means:
         """
         low, high = self._ends(name)
         parts = [f"{self.in_words(name, low)} to {self.in_words(name, high)}", *self._trends(name)]
-        n_missing = len(self.counts) - len(self.known_rows(name))
-        if n_missing:
-            parts.append(f"unknown at {n_missing} of {len(self.counts)} points")
+        known = self.known_rows(name)
+        missing = [row for row in range(len(self.counts)) if row not in known]
+        if missing:
+            state = "no plastic zone" if self._lack_zone(name, missing) else "unknown"
+            parts.append(f"{state} at {len(missing)} of {len(self.counts)} points")
+        if rows := self.incomplete.get(name):
+            parts.append(f"not final at the end of the run at {len(rows)} of {len(self.counts)}")
         return in_grains("; ".join(parts), self.called)
 
     def _ends(self, name: str) -> tuple[int, int]:
@@ -236,7 +268,11 @@ class Means:
         return math.nan if is_varied and self.single[row] else 0.0
 
     def _trends(self, main: str) -> list[str]:
-        """Return the trends of a quantity with the keys: ``rises with diameter and velocity``."""
+        """Return the trends of a quantity with the keys: ``rises with diameter and velocity``;
+        none if the end of a run limits it, since a trend may then come from the end.
+        """
+        if self.incomplete.get(main):
+            return []
         keys_of_trend: dict[str, list[str]] = {}
         for n, key in enumerate(self.keys):
             courses = self._courses(main, n)
@@ -339,7 +375,23 @@ def means_of(scan: ScanResult) -> Means:
         has_limited_zones=any(
             mark_of(summary) is Mark.CUT or is_unresolved(summary) for summary in summaries
         ),
+        incomplete=_incomplete_rows(groups),
+        without_zone=frozenset(row for row, group in enumerate(groups) if _lacks_zone(group)),
     )
+
+
+def _incomplete_rows(groups: Sequence[Sequence[PointResult]]) -> dict[str, frozenset[int]]:
+    """Return the rows with a point whose end limits a value, by name of the value."""
+    rows: dict[str, set[int]] = {}
+    for row, group in enumerate(groups):
+        for name in set().union(*(incomplete_in(point.summary) for point in group)):
+            rows.setdefault(name, set()).add(row)
+    return {name: frozenset(of_name) for name, of_name in rows.items()}
+
+
+def _lacks_zone(group: Sequence[PointResult]) -> bool:
+    """Return True for points in which no contact yields."""
+    return all(point.summary.get(_YIELDED) == 0 for point in group)
 
 
 def _groups(scan: ScanResult, names: Sequence[str]) -> list[list[PointResult]]:

@@ -46,12 +46,15 @@ class Ordinate:
         Title of the axis, and name of the column of data.
     value
         Function that returns the value of a point.
+    key
+        Name of the value in the summary.
     """
 
     name: str
     title: str
     column: str
     value: Value
+    key: str = ""
 
     @property
     def zone(self) -> bool:
@@ -104,11 +107,11 @@ def _ordinate(name: str, key: str, scales: Mapping[str, _Scale]) -> Ordinate:
         symbol, words, sizes = scales[entry.unit]
         title = f"{entry.axis} ${entry.symbol}/{symbol}$"
         column = f"{name}_over_{words}"
-        return Ordinate(name, title, column, lambda point: number(point) / sizes[point.number])
+        return Ordinate(name, title, column, lambda point: number(point) / sizes[point.number], key)
     unit, factor = _SHOWN_IN.get(entry.unit, (entry.unit, 1.0))
     title = entry.title + (f" ({printed_unit(unit)})" if unit else "")
     column = key if unit == entry.unit else f"{name}_{unit.replace('^', '')}"
-    return Ordinate(name, title, column, lambda point: factor * number(point))
+    return Ordinate(name, title, column, lambda point: factor * number(point), key)
 
 
 def _scales(

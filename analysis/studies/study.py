@@ -68,7 +68,8 @@ class Row:
     digits
         Meaningful digits of our value, where it depends on a choice such as the range of a fit.
     bound
-        The source's value is a bound, such as the end of an axis: no difference from it is given.
+        The value of the source (without a source, of theory) is a bound, such as the end of an
+        axis: no difference from it is given.
     """
 
     quantity: str

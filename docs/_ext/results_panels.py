@@ -44,7 +44,7 @@ class Value:
     ours, source, theory
         The values; None if the row has none.
     bound
-        "most" or "least" if the source gives only a bound; otherwise empty.
+        "most" or "least" if the source or theory gives only a bound; otherwise empty.
     interval
         Half-width of the interval of error of the source; 0 if it gives none.
     """
@@ -60,6 +60,10 @@ class Value:
     def compared(self) -> bool:
         """Return True for a row with a reference."""
         return self.source is not None or self.theory is not None
+
+    def reference(self) -> float | None:
+        """Return the value of the source; of theory without a source."""
+        return self.theory if self.source is None else self.source
 
 
 @dataclasses.dataclass(frozen=True)

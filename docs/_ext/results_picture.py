@@ -100,6 +100,22 @@ def points(stored: Mapping[str, Any]) -> list[tuple[str, str, str, float]]:
     ]
 
 
+def printed_values(stored: Mapping[str, Any]) -> list[list[float]]:
+    """Return the magnitudes of the deviations of each value that a source prints.
+
+    Rows with the same place in a source, number and unit compare the same value.
+    """
+    found: dict[tuple[str, float, str], list[float]] = {}
+    for suite in stored["suites"].values():
+        for study in suite["studies"].values():
+            for row in study["rows"]:
+                off = deviation(row)
+                if row["kind"] == "source" and off is not None:
+                    place = row["where"], float(f"{row['source']:.9g}"), row["unit"]
+                    found.setdefault(place, []).append(abs(off))
+    return list(found.values())
+
+
 def far_off(stored: Mapping[str, Any]) -> list[Far]:
     """Return the studies with large deviations, marked in the order of suites and kinds."""
     found = []
@@ -230,7 +246,7 @@ def _panel(axes: Any, kind: str, suites: Sequence[str], shown: Sequence[Any]) ->
     within_1 = sum(off <= 0.01 for off in total)
     within_10 = sum(off <= 0.1 for off in total)
     axes.set_title(
-        f"{kind}, {len(total)} values:\n{within_1} within 1 %,\n{within_10} within 10 %", loc="left"
+        f"{kind}, {len(total)} rows:\n{within_1} within 1 %,\n{within_10} within 10 %", loc="left"
     )
     axes.set(xscale="log", xlim=(_LEAST / 2, _MOST * 2), ylim=(len(suites) - 0.5, -0.5))
     axes.set_xticks(

@@ -14,6 +14,8 @@ _NUMBER = re.compile(r"(?<![\w.^*])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]*[a-zA-Z
 _BREAK = re.compile(r", |; |(?<=[^:]{4}): ")
 _AT = re.compile(r" at (?=(?:[a-z]+ )?-?\d)(?!.* / )")
 _BOUND = re.compile(r", at (?:most|least)(?=$|[:,])")
+#: Quantities whose numbered conditions are categories, with the template of the condition.
+_CATEGORIES = {"Effective modulus": "contact {}"}
 #: Names whose order of words hides the conditions; each pattern with the name used here.
 _REWORDED = tuple(
     (re.compile(pattern), name)
@@ -70,7 +72,8 @@ def quantity_of(name: str) -> Quantity:
     base, *conditions = _pieces(name)
     base, *places = _AT.split(base, maxsplit=1)
     texts = [text for text in (*places, *conditions) if text]
-    return Quantity(base, tuple(_condition(text) for text in texts))
+    conditions_of_base = tuple(_condition(text) for text in texts)
+    return Quantity(base, tuple(_categorical(base, one) for one in conditions_of_base))
 
 
 def _pieces(name: str) -> list[str]:
@@ -93,6 +96,13 @@ def _condition(text: str) -> Condition:
     )
 
 
+def _categorical(base: str, condition: Condition) -> Condition:
+    """Return a condition without its numbers if they are names of categories of the quantity."""
+    if condition.template != _CATEGORIES.get(base):
+        return condition
+    return Condition(condition.text, condition.text, ())
+
+
 #: Abscissae whose words in the name are not enough: template of the condition, label of the axis.
 _ABSCISSAE = {
     "{} MPa": "modulus (MPa)",
@@ -106,7 +116,7 @@ _ABSCISSAE = {
     "specified as {}": "specified restitution",
     "small beads of {}": "diameter of the small beads / diameter of the others",
     "{} µs": "period (µs)",
-    "beads {} to {}": "first of the beads",
+    "beads {} to {}": "first bead of the range of the fit",
     "impact at {} m/s": "speed of the impact (m/s)",
     "{} N": "force (N)",
     "{} cylinders": "number of cylinders",

@@ -20,6 +20,7 @@ from granwave.analysis.studies.study import Row
 
 _ROUNDING = 1e-12  # relative
 _LOWER = ("at least", "more than", "Well over")  # words of a bound below
+_MOST_FACTOR = 1000.0  # ratio beyond which its size says nothing
 LARGE = 10.0  # deviation from which on a ratio says more than per cent
 KINDS = {
     "source": "source",
@@ -35,9 +36,10 @@ def beyond(row: Row) -> float:
     A bound is an upper bound of the magnitude, unless the quantity or the remark calls it a lower
     bound.
     """
-    if not row.bound or row.ours is None or not row.source:
+    against = row.theory if row.source is None else row.source
+    if not row.bound or row.ours is None or not against:
         return 0.0
-    over = abs(row.ours / row.source) - 1
+    over = abs(row.ours / against) - 1
     return max(-over if is_lower_bound(row) else over, 0.0)
 
 
@@ -66,6 +68,8 @@ def difference(row: Row) -> str:
 
 def factor(off: float) -> str:
     """Return the text of a very large ratio of our value to the other value."""
+    if off + 1 > _MOST_FACTOR:
+        return f"more than times {_MOST_FACTOR:g}"
     return f"times {significant(off + 1, 2)}"
 
 

@@ -105,7 +105,7 @@ def _symbols(page: ValuesOfPage) -> list[tuple[str, str]]:
         ("source", "open diamonds: the source"),
         ("theory", f"crosses and dashed lines: {other}"),
         ("interval", "vertical or horizontal bars: the error that the source states"),
-        ("bound", "arrows: from a bound of the source to the values that it permits"),
+        ("bound", "arrows: from a bound to the values that it permits"),
     ]
 
 
@@ -257,28 +257,36 @@ def _markers(axes: Axes, value: Value, middle: float) -> None:
         axes.plot(value.ours, middle, zorder=3, **_OURS)
     if value.theory is not None:
         axes.plot(value.theory, middle, zorder=4, **_THEORY)
+    reference = value.reference()
+    if value.bound and reference is not None:
+        _arrow(axes, (reference, middle), (-_towards(value), 0.0), _arrow_colour(value))
     if value.source is None:
         return
     axes.plot(value.source, middle, zorder=5, **_SOURCE)
     if value.interval:
         axes.errorbar(value.source, middle, xerr=value.interval, ecolor=ORANGE, capsize=2, lw=1)
-    if value.bound:
-        _arrow(axes, (value.source, middle), (-_towards(value), 0.0))
 
 
 def _towards(value: Value) -> float:
     """Return 1 if a bound permits smaller values, -1 if it permits larger values."""
-    return 1.0 if (value.bound == "most") == ((value.source or 0) >= 0) else -1.0
+    return 1.0 if (value.bound == "most") == ((value.reference() or 0) >= 0) else -1.0
 
 
-def _arrow(axes: Axes, point: tuple[float, float], direction: tuple[float, float]) -> None:
+def _arrow_colour(value: Value) -> str:
+    """Return the colour of the reference of a row."""
+    return _BLACK if value.source is None else ORANGE
+
+
+def _arrow(
+    axes: Axes, point: tuple[float, float], direction: tuple[float, float], colour: str
+) -> None:
     """Draw an arrow of fixed length from a bound to the values that it permits."""
     axes.annotate(
         "",
         point,
         (15 * direction[0], 15 * direction[1]),
         textcoords="offset points",
-        arrowprops={"arrowstyle": "<-", "color": ORANGE, "lw": 1.0, "shrinkA": 0, "shrinkB": 3},
+        arrowprops={"arrowstyle": "<-", "color": colour, "lw": 1.0, "shrinkA": 0, "shrinkB": 3},
         annotation_clip=False,
     )
 
@@ -312,14 +320,13 @@ def _curve(axes: Axes, values: Sequence[Value]) -> None:
     axes.plot(*_points(values, "theory"), ls="--", zorder=4, **_THEORY | {"ms": 4.5, "lw": 0.9})
     axes.plot(*_points(values, "source"), zorder=5, **_SOURCE)
     for value in values:
-        if value.x is None or value.source is None:
+        reference = value.reference()
+        if value.x is None or reference is None:
             continue
         if value.interval:
-            axes.errorbar(
-                value.x, value.source, yerr=value.interval, ecolor=ORANGE, capsize=2, lw=1
-            )
+            axes.errorbar(value.x, reference, yerr=value.interval, ecolor=ORANGE, capsize=2, lw=1)
         if value.bound:
-            _arrow(axes, (value.x, value.source), (0.0, -_towards(value)))
+            _arrow(axes, (value.x, reference), (0.0, -_towards(value)), _arrow_colour(value))
 
 
 def _points(values: Iterable[Value], kind: str) -> tuple[list[float], list[float]]:

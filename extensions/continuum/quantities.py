@@ -18,7 +18,8 @@ QUANTITIES = (
     Quantity("element_steps_per_s", short="speed", digits=".3g", phrase="{} element-steps/s",
              note="Elements times steps, divided by wall time."),
     Quantity("energy_punch_J", "Energy of the punch", note="Kinetic energy of the punch at the "
-        "end."),
+        "end, in addition to that of the block (energy_kinetic_J); the kinetic energy in figures "
+        "of comparisons is the sum."),
     Quantity("dissipated_fraction_error", "Uncertainty of the dissipated fraction",
              short="uncertainty", digits=".2g", phrase="{} of the input",
              note="For a block: the dissipated fraction divided by the root of zone_elements_90, "

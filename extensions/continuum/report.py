@@ -7,7 +7,7 @@ from typing import Any
 
 from granwave.analysis.document.model import show
 from granwave.analysis.formatting.numbers import quantity_in
-from granwave.analysis.reports.kinds import ReportKind, ReportRun, Symbol
+from granwave.analysis.reports.kinds import ReportKind, ReportRun, Symbol, unit_of_energy
 from granwave.extensions.continuum.files import CONTINUUM
 from granwave.extensions.continuum.punch.resolution import doubts
 from granwave.extensions.continuum.runs import ContinuumRun, SphereContactRun, read_elements
@@ -75,20 +75,18 @@ class ElementKind(ReportKind):
         """Return the velocity of the punch as the velocity of an impact."""
         return {"load.velocity": case["punch.velocity"]} if "punch.velocity" in case else {}
 
+    def energy_unit(self, run: ReportRun) -> float:
+        """Return the unit with the diameter of the punch, J."""
+        return unit_of_energy(run, "punch.diameter")
+
     def doubts(self, summary: Mapping[str, Any]) -> list[str]:
         """Return warnings on large strains, an unresolved plastic zone and viscous losses."""
         return doubts(summary)
 
     def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:
         """Return the unit of energies of a punch."""
-        units = [unit for unit in map(_unit_of_block, runs) if unit]
+        units = [unit for unit in map(self.energy_unit, runs) if unit]
         return [("sigma_y^2 D^3/E", units, "J", _OF_PUNCH)]
-
-
-def _unit_of_block(run: ReportRun) -> float:
-    keys = ("punch.diameter", "material.yield_strength", "material.youngs_modulus")
-    diameter, strength, modulus = (run.case.get(key) for key in keys)
-    return strength**2 * diameter**3 / modulus if strength and diameter and modulus else 0.0
 
 
 REPORT_KINDS = (ElementKind(),)

@@ -82,8 +82,9 @@ _CAPTIONS = {
     "model of the search",
     "front": "All designs of the search: each design of the front is better than every other "
     "design in at least one objective",
-    "importance": "Fraction of the variance of the objective due to each variable, from the model "
-    "of the search",
+    "importance": "Fraction of the variance of the objective due to each variable alone "
+    "(first-order Sobol index), from the model of the search; a remainder to 1 is due to several "
+    "variables together",
     "coordinates": "Values of all designs of the search, scaled to their ranges; darker is "
     "better, the best is orange",
 }

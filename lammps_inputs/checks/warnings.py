@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from granwave._contact_laws import FE_RANGE
+from granwave.lammps_inputs.case.boundary import time_label
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact.contact import (
     FITTED_POISSON_RATIO,
@@ -25,11 +26,12 @@ from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.case.packing.values import Enclosure
 from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.bodies import echoes
+from granwave.lammps_inputs.packing.bodies import BAR, echoes
 from granwave.lammps_inputs.packing.box_walls import BoxWall, box_walls
 from granwave.lammps_inputs.packing.motion import own_spins
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import untouched
+from granwave.lammps_inputs.planning.arrival import earliest_passage
 
 _BOTTOM = "bottom"
 _KEYS_OF_WALLS = ("x", "y", _BOTTOM)  # keys of walls by axis
@@ -157,12 +159,20 @@ def _touch_at_start(assembly: Assembly, contact: tuple[int, int]) -> bool:
 
 def _of_echoes(assembly: Assembly) -> Iterator[str]:
     """Warn of bars whose end reflects waves back into the chain during the run."""
+    if not assembly.bars:
+        return
     end = assembly.case.run.longest
+    loaded = assembly.case.load.first_time
+    passage = earliest_passage(assembly)
     for name, echo in echoes(assembly.bars).items():
-        if end > echo:
+        earliest = loaded + echo
+        if name == BAR:
+            earliest += passage
+        if end > earliest:
             yield (
-                f"a reflection from the end of the {name} can reach the chain after {echo:.3g} s, "
-                f"before the end of the run at {end:.3g} s: use a longer bar, or a shorter run"
+                f"a reflection from the end of the {name} can reach the chain after "
+                f"{time_label(earliest)}, before the end of the run at {time_label(end)}: use a longer bar, "
+                "or a shorter run"
             )
 
 

@@ -11,6 +11,10 @@ late in bcc.
 
 Under a static load small waves travel at the speed of long waves, see
 `granwave.lammps_inputs.contact.travel_time`.
+
+In a chain in front of a bar, a wave is at most as fast as a solitary wave of the largest overlap that
+the load can cause between any two beads, and under a static load at most as fast as a long wave of
+this overlap; its front is two beads ahead of its peak.
 """
 
 from __future__ import annotations
@@ -22,8 +26,9 @@ import numpy as np
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.travel_time import row_of
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.motion import struck_site
+from granwave.lammps_inputs.packing.motion import impacted_of, struck_site, velocities_of
 from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 
 _PER_BEAD = 1.355  # time of a solitary wave from bead to bead over sqrt(m/k)
@@ -31,6 +36,7 @@ _DECAY = (0.0, 0.8, 1.7)  # p, by the number of lateral dimensions in which a wa
 _RANDOM = math.sqrt(2 / 3)  # layers of grains of a file that are no chain, diameters
 # stiffness between layers over the stiffness of a contact; the same for files
 _STIFFNESS = (1.0, 1.5, 2.0)
+_AHEAD = 2  # beads: the front of a solitary wave, of five beads, is ahead of its peak
 _FEWEST_STEPS = 3  # steps from layer to layer
 
 
@@ -65,6 +71,24 @@ def expected_arrival(assembly: Assembly) -> float | None:
     # sum of n^power over the layers, by the trapezoidal rule
     layers = (n_steps ** (power + 1) - 1) / (power + 1) + (n_steps**power + 1) / 2
     return per_layer * layers
+
+
+def earliest_passage(assembly: Assembly) -> float:
+    """Return a lower bound on the time from the load on a chain to the front of the wave at its
+    last bead, s; 0 if it is not known.
+    """
+    lattice = assembly.lattice
+    if not lattice.rule.is_chain or assembly.has_cylinders:
+        return 0.0
+    moved = [*impacted_of(assembly), *velocities_of(assembly)]
+    n_steps = lattice.n_spheres - max([k for k in moved if k <= lattice.n_spheres], default=1)
+    slowest = 1.0 if assembly.case.precompression is not None else _PER_BEAD
+    per_bead = [
+        slowest * math.sqrt(one.mass * one.overlap / (1.5 * one.law.loading_force(one.overlap)))
+        for one in encounters(assembly)
+        if not one.against_wall
+    ]
+    return max(0, n_steps - _AHEAD) * min(per_bead, default=0.0)
 
 
 def _layer(assembly: Assembly, beside: int) -> tuple[float, float]:

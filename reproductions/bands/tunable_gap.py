@@ -120,8 +120,8 @@ def rows(runs):
             remark += " With the density of 2100 kg/m3 that section 7.1 prints instead of 2700, "
             remark += " and ".join(f"{word} {edge:.3g}" for word, edge in lighter_edges().items())
             remark += (
-                ". This density brings the lowest edge onto the axis, but moves the "
-                "highest edge off it."
+                ". This density brings the lowest edge within the axis, but moves the "
+                "highest edge outside."
             )
         yield gw.Row(
             f"Lower edge of the gap (source: at least this value): {name}",

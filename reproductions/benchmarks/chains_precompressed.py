@@ -64,7 +64,7 @@ def rows(runs):
     # fmt: off
     added, static, speed, gain = measured(runs)
     for f, force, ours in zip(added, static, speed, strict=True):
-        yield gw.Row(f"Speed / c0, dynamic force {f:.3g} times {force:g} N", "", ours=ours, where=COSTE, digits=4,
+        yield gw.Row(f"Speed / c0 at F_m/F0 = {f:.3g}, F0 = {force:g} N", "", ours=ours, where=COSTE, digits=4,
                      theory=float(lattice_speed(np.array(1 + f))), remark=CURVE if f > 2 else CURVE + SPREADS)
     yield gw.Row("Length of the pulse / length of the chain", "", 0.1, pulse(runs), COSTE,
         "The source states typically a tenth. In our chain of 51 beads the pulse is measured "

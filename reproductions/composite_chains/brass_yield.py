@@ -11,7 +11,7 @@ from section import SPEEDS, by, sections
 
 import granwave as gw
 
-WHERE = "composite chain, section 4"
+WHERE = "composite chain, section 4, measured"
 MEGA = 1e6
 MEASURED = SPEEDS["brass-composite"]
 

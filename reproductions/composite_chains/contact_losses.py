@@ -37,12 +37,12 @@ def rows(runs):
             remark = ("The source value was measured. The restitution is our choice. The study "
                       "of the measured speeds lists the possible reasons for the difference "
                       "that were tested.")
-            yield gw.Row(f"V, N2 = {chain.n}, {kind}", "m/s", speeds.get(chain.n), chain.speed, f"{where}section 4",
+            yield gw.Row(f"V, N2 = {chain.n}, {kind}", "m/s", speeds.get(chain.n), chain.speed, f"{where}section 4, measured",
                          remark if chain.n in speeds else "")
         if len(chains) > 1:
             yield gw.Row(f"Change of V from N2 = {first.n} to {last.n}, {kind}", "%",
                          100 * (speeds[last.n] / speeds[first.n] - 1) if speeds else None,
-                         100 * (last.speed / first.speed - 1), f"{where}section 4",
+                         100 * (last.speed / first.speed - 1), f"{where}section 4, measured",
                          "The source value follows from its two values of V." if speeds else "")
             yield gw.Row(f"Change of lambda from N2 = {first.n} to {last.n}, {kind}", "%",
                          ours=100 * (last.ratio / first.ratio - 1), where=f"{where}Fig. 11",

@@ -2,7 +2,8 @@
 
 The rows give the fraction of the energy of the spheres, before the wave reaches an end, and the
 fraction of all dissipation, within 15 degrees of the directions of contacts from the impacted
-spheres. Theory: an isotropic distribution. Square packings have the fastest impact. The figure
+spheres. The remarks give the fraction of an isotropic distribution, which is no prediction for a
+crystal. Square packings have the fastest impact. The figure
 `directions` of each run is its own map.
 """
 
@@ -32,8 +33,9 @@ def rows(runs):
             if spread := directional_spread(result, values):
                 found.append(
                     gw.Row(
-                        f"{what} along contacts: {label}", "%", ours=100 * spread.along, theory=100 * spread.even,
-                        where="no reference",
+                        f"{what} along contacts: {label}", "%", ours=100 * spread.along,
+                        where="ours",
+                        remark=f"Isotropic distribution: {100 * spread.even:.3g} %.",
                     )
                 )  # fmt: skip
     return sorted(found, key=lambda row: row.quantity)

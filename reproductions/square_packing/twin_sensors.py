@@ -140,8 +140,8 @@ def rows(samples):
             )
             for (name, unit, ours), (_, theirs) in zip(scatters, TWINS[one.twins], strict=True):
                 remark = (
-                    f"The source reports a scatter of {theirs:g} {unit}, most likely of imperfect "
-                    f"impacts, which it does not measure. {one.remark}"
+                    f"The source reports a scatter of {theirs:g} {unit}. It attributes the scatter "
+                    f"to imperfect impacts, which it did not measure. {one.remark}"
                 )
                 quantity = f"Scatter of the {name}, {one.twins}: {one.setting}"
                 yield gw.Row(quantity, unit, ours=ours, remark=remark, **PATH)

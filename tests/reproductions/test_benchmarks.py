@@ -148,18 +148,27 @@ def test_the_largest_difference_is_beside_the_claim(tmp_path: Path) -> None:
         contact(tmp_path / "alike"), contact(tmp_path / "radii", difference=-0.09, partner=9.52e-3),
         contact(tmp_path / "unlike", material=unlike),
     ])  # fmt: skip
-    assert row(study, "Finite elements / law at 3 alpha_y, brass, equal").ours == pytest.approx(15)
-    worst = row(study, "Finite elements / law from 1 to 10 alpha_y: largest, brass, equal radii")
+    assert row(
+        study, "Deviation of finite elements from the law at 3 alpha_y, brass, equal"
+    ).ours == pytest.approx(15)
+    worst = row(
+        study,
+        "Deviation of finite elements from the law from 1 to 10 alpha_y: largest, brass, equal radii",
+    )
     assert (worst.source, worst.ours) == (6, pytest.approx(15))
     for name, claim, ours in (("equal radii", -6, -5), ("radii 2 to 1", None, -14)):
         least = row(
-            study, f"Finite elements / law from 10 alpha_y to 0.2 R*: smallest, brass, {name}"
+            study,
+            f"Deviation of finite elements from the law from 10 alpha_y to 0.2 R*: smallest, brass, {name}",
         )
         assert (least.source, least.ours) == (claim, pytest.approx(ours)), (
             "the source states its error for identical spheres"
         )
     assert (
-        row(study, "Finite elements / law from 1 to 10 alpha_y: largest, brass and steel").source
+        row(
+            study,
+            "Deviation of finite elements from the law from 1 to 10 alpha_y: largest, brass and steel",
+        ).source
         is None
     )
     deep = row(study, "Finite elements at 0.19 R*, brass, radii 2 to 1")

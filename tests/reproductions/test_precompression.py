@@ -99,6 +99,8 @@ def test_preconditioned_chain_is_elastic_up_to_its_level(tmp_path: Path) -> None
     study = made("preconditioned.py", *runs)
     largest, smallest = study.rows
     assert largest.ours < 1 < smallest.ours and len(study.pictures) == 2
+    assert largest.bound and "at most 1" in largest.remark
+    assert smallest.bound and "at least 1" in smallest.remark
 
 
 def test_packing_hit_three_times(tmp_path: Path) -> None:

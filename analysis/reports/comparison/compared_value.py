@@ -146,10 +146,10 @@ class ComparedValue:
         """The same words of a value whose uncertainty is disregarded."""
         if self.differs_in_meaning:
             return DIFFERENT_MEANING
-        if self.is_truncated and not self.is_growing:
-            return TRUNCATED
         if self.is_limited:
             return LIMITED
+        if self.is_truncated and not self.is_growing:
+            return TRUNCATED
         return STILL_GROWING if self.is_growing else ""
 
     @property

@@ -29,6 +29,7 @@ from granwave.analysis.reports.comparison.ends import (
     have_unlike_ends,
     same_case_sentence,
 )
+from granwave.analysis.reports.comparison.energy_inputs import kinds_sentence
 from granwave.analysis.reports.comparison.figures.figure import FigureData, read_figure
 from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve, read_measured
@@ -198,8 +199,14 @@ class Comparison:
         differences = self._differences_in_words(stated)
         sentences = [ranking.sentence for ranking in rankings]
         scatter = scatter_sentence(self._finished) if differences or sentences else ""
-        paragraphs = [*self.measured_sentences, *sentences, differences, scatter]
+        inputs = self._inputs_of_kinds if differences or sentences else ""
+        paragraphs = [*self.measured_sentences, inputs, *sentences, differences, scatter]
         return [text for text in paragraphs if text]
+
+    @property
+    def _inputs_of_kinds(self) -> str:
+        """The inputs of packings and blocks, in a sentence; empty if values were requested."""
+        return "" if self.quantities else kinds_sentence(self._finished)
 
     @cached_property
     def measured_sentences(self) -> list[str]:

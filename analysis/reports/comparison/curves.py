@@ -58,8 +58,10 @@ class PeaksByDepth:
     no_decay
         Reason why there are no fits; empty if there are.
     n_unknown
-        Number of layers that are left out: their force still rises at the end, or includes the
-        reflection from the end of a chain.
+        Number of layers that are left out since a larger pulse may still reach them.
+    n_hidden
+        Number of layers that are left out since their force rose until the reflection from the end
+        of a chain came.
     of_first_wave
         True for the forces of the first wave, False for the largest of the run.
     is_chain
@@ -77,6 +79,7 @@ class PeaksByDepth:
     decays: tuple[ForceDecay, PowerDecay] | None
     no_decay: str = ""
     n_unknown: int = 0
+    n_hidden: int = 0
     of_first_wave: bool = False
     is_chain: bool = False
     later: Array = field(default_factory=lambda: np.empty(0))
@@ -255,7 +258,8 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
         median=peaks.median[shown],
         decays=decays,
         no_decay=no_decay,
-        n_unknown=peaks.n_left_out,
+        n_unknown=peaks.n_left_out - peaks.n_hidden,
+        n_hidden=peaks.n_hidden,
         of_first_wave=peaks.of_first_wave,
         is_chain=is_chain,
         later=peaks.depth[peaks.is_later],
@@ -278,6 +282,19 @@ def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
     if not given > 0 or not np.any(lost > 0):
         raise LackingError("it dissipated no energy")
     return SampledCurve(mean, lost / given)
+
+
+def dissipation_at_walls(run: ComparedRun) -> SampledCurve:
+    """Return the fraction of the dissipation of each layer that occurred at walls: m, 1."""
+    with run.opened() as result:
+        mean, layer = _layers_below(result)
+        lost = np.bincount(layer, result["spheres/dissipated_energy"], minlength=len(mean))
+        at_walls = np.zeros(len(mean))
+        if "wall_contacts" in result:
+            of_contact = layer[result.rows(result["wall_contacts/id"])]
+            at_wall = result["wall_contacts/dissipated_energy"]
+            at_walls = np.bincount(of_contact, at_wall, minlength=len(mean))
+    return SampledCurve(mean, np.divide(at_walls, lost, out=np.zeros(len(mean)), where=lost > 0))
 
 
 def growth(run: ComparedRun) -> GrowthCurves:

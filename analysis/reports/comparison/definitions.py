@@ -8,9 +8,11 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.incomplete_values import incomplete_in
 from granwave.analysis.measures.target_record import Reached
 from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
+from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.comparison.curves import (
     bottom_record,
     can_reach_bottom,
@@ -24,6 +26,10 @@ from granwave.analysis.reports.kinds import ReportRun
 #: Beginnings of the names of values of the bottom, and of the plastic zone.
 _OF_BOTTOM = ("wall_", "target_", "ground_", "base_", "peak_reduction")
 _OF_ZONE = ("zone_", "plastic_zone_", "n_plastic_", "n_dissipating_")
+_OF_DISSIPATION = (
+    "dissipated_", "plastic_fraction", "friction_fraction", "viscous_fraction", "energy_dissipated",
+    "absorbed_fraction", "n_plastic_", "n_dissipating_",
+)  # fmt: skip
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
 _FORCE = "wall_peak_force_N"
@@ -40,13 +46,15 @@ _FORCES_OF_KINDS = (
     "on the punch of a block, so that it has no ratio."
 )
 _SPHERES = "n_spheres"
+_OF_GROWTH = ("_fraction", "n_plastic_contacts")  # ends of names that the sentence on growth lists
 _MOST_LISTED = 4  # runs that a sentence lists
 #: Beginnings of sentences on values that the end of a run limits.
 GROWING_ZONE = "The plastic zone still grows"
 NO_ARRIVAL = "The wave does not reach the bottom"
 RISING_FORCE = "The force on the bottom is largest"
 LATE_PULSE = "Less than 80 % of the impact's momentum has reached the bottom"
-OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE, LATE_PULSE)
+GROWING_ENERGY = "Still growing at the end of the run"
+OF_THE_END = (GROWING_ZONE, GROWING_ENERGY, NO_ARRIVAL, RISING_FORCE, LATE_PULSE)
 
 
 def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> list[str]:
@@ -75,6 +83,8 @@ def limit_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> lis
     notes: list[str] = []
     if _concerns(names, _OF_BOTTOM):
         notes.append(" ".join(_limited_forces(runs, is_ranked=True)))
+    if _concerns(names, _OF_DISSIPATION):
+        notes += _growing_energies(runs, is_ranked=True)
     if _concerns(names, _OF_ZONE):
         parts = [*_cut_zones(runs), *_unresolved_zones(runs)]
         parts += _growing_zones(runs, is_ranked=True)
@@ -91,6 +101,7 @@ def end_notes(runs: Sequence[ReportRun]) -> list[str]:
     """Return sentences on plastic zones and forces on the bottom that the end of a run limits."""
     numbered = [ComparedRun(run, run.label, number, number) for number, run in enumerate(runs)]
     return [
+        *_growing_energies(numbered, is_ranked=False),
         *_growing_zones(numbered, is_ranked=False),
         *_limited_forces(numbered, is_ranked=False),
     ]
@@ -176,6 +187,28 @@ def _unresolved_zones(runs: Sequence[ComparedRun]) -> list[str]:
     ]
 
 
+def _growing_energies(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]:
+    """Return a sentence on dissipated energies and numbers of yielded contacts that still grow at
+    the end of a run, with the remedy; nothing if there are none. ``is_ranked`` as of
+    `_growing_zones`.
+    """
+    labels = {run: _labels_of_growing(run) for run in runs}
+    growing = [run for run in runs if labels[run]]
+    if not growing:
+        return []
+    listed = _listed(growing, lambda run: labels[run])
+    more = " Values that still grow have no ratio." if is_ranked else ""
+    return [f"{GROWING_ENERGY}: {listed}.{more} Increase run.end_time for final values."]
+
+
+def _labels_of_growing(run: ComparedRun) -> str:
+    """Return the labels of the fractions and numbers that still grow at the end of a run."""
+    names = [name for name in incomplete_in(run.run.summary) if name.endswith(_OF_GROWTH)]
+    labels = [quantity(name).label for name in names]
+    *first, last = [f"{label[:1].lower()}{label[1:]}" for label in labels] or [""]
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def _growing_zones(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]:
     """Return a sentence on plastic zones that the end of a run limits; nothing if there are none.
 
@@ -231,8 +264,7 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
 
 def _late_pulses(records: Mapping[ComparedRun, Reached], *, is_ranked: bool) -> str:
     """Return a sentence on runs after whose end a larger force on the bottom may follow."""
-    percent = {run: 100 * (record.arrived_momentum or 0.0) for run, record in records.items()}
-    listed = _listed(list(records), lambda run: f"{percent[run]:.2g} %")
+    listed = _listed(list(records), lambda run: records[run].arrived_in_words)
     more = " Forces on the bottom of these runs are not ranked." if is_ranked else ""
     return (
         f"{LATE_PULSE} by the end of the run, so that a later pulse may be larger: {listed}.{more}"

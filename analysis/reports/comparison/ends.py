@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.incomplete_values import DISSIPATED_FRACTION, incomplete_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import Reached
 from granwave.analysis.measures.zone_resolution import is_unresolved
@@ -72,8 +73,10 @@ _OF_SIZE = (
     "n_dissipating_*",
 )  # fmt: skip
 
+_FRACTION = "_fraction"
+_DISSIPATED_ENERGY = "energy_dissipated_J"
 #: Plastic dissipation, which is uncertain if the zone is.
-_OF_DISSIPATION = ("dissipated_fraction", "energy_dissipated_J")
+_OF_DISSIPATION = (DISSIPATED_FRACTION, _DISSIPATED_ENERGY)
 
 
 class Course(Protocol):
@@ -265,18 +268,30 @@ def is_limited_by_end(name: str) -> bool:
 
 
 def growing_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the values that still grow at the end of a run: impulses on the bottom, sizes of a
-    plastic zone, and counts of yielded contacts that grow in the last tenth of the run.
+    """Return the values that still grow at the end of a run: impulses on the bottom, dissipated
+    energies, sizes of a plastic zone, and counts of yielded contacts that grow in the last tenth
+    of the run.
     """
     patterns: list[str] = []
     for run in runs:
         patterns += _growing_impulses(run)
+        patterns += _growing_energies(run)
         for direction in run.run.summary.get(GROWING) or ():
             patterns += _GROWTH_ALONG.get(direction, ())
         is_cut = mark_of(run.run.summary) is Mark.CUT  # a boundary limits its counts
         if not (is_cut or _has_settled(run) or _has_all_yielded(run)):
             patterns += _COUNTS
     return {name for name in names if _matches(name, patterns)}
+
+
+def _growing_energies(run: ComparedRun) -> list[str]:
+    """Return the names of the energies that still grow at the end of a run, and of their fractions
+    of the input; other incomplete values have their own marks.
+    """
+    names = [name for name in incomplete_in(run.run.summary) if name.endswith(_FRACTION)]
+    if DISSIPATED_FRACTION in names:
+        names.append(_DISSIPATED_ENERGY)
+    return [*names, *(f"energy_dissipated_{name.removesuffix(_FRACTION)}_J" for name in names)]
 
 
 def _growing_impulses(run: ComparedRun) -> list[str]:

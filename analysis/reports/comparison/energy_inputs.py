@@ -12,6 +12,7 @@ _VELOCITY = "load.velocity"
 _KIND = "load.kind"
 _IMPACT = "impact"
 _STRIKER = "striker"
+_LEAST_KINDS = 2
 _GRAMS = 1e3
 _SAME = 1e-6  # relative difference of inputs that are equal
 _MOST_LISTED = 4  # runs that a sentence lists; of more the smallest and the largest input
@@ -38,6 +39,46 @@ def inputs_in_words(runs: Sequence[ComparedRun]) -> str:
     ends = (min(runs, key=input_energy), max(runs, key=input_energy))
     least, most = [f"{_input_text(run)} in {run.name}" for run in ends]
     return f"from {least} to {most}"
+
+
+def kinds_sentence(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on the inputs of runs of several kinds, in the unit that they have in
+    common; empty for one kind, and if a run has no such unit.
+    """
+    if len({run.run.kind for run in runs}) < _LEAST_KINDS:
+        return ""
+    inputs = {run: relative_input(run) for run in runs}
+    if not all(inputs.values()):
+        return ""
+    least, most = [extreme(inputs.values()) for extreme in (min, max)]
+    if len(runs) > _MOST_LISTED:
+        listed = f"from {number(least)} to {number(most)}"
+    else:
+        listed = joined_texts([(run.name, number(size)) for run, size in inputs.items()], "in")
+    between = "the inputs are equal"
+    if not _are_equal([least, most]):
+        between = f"a ratio of {number(most / least)} between largest and smallest"
+    return (
+        "Inputs of packings and blocks are compared relative to sigma_y^2 D^3/E, with the yield "
+        "strength and modulus of the material and the diameter D of the spheres or of the punch: "
+        f"{listed}; {between}."
+    )
+
+
+def relative_input(run: ComparedRun) -> float:
+    """Return the input energy relative to sigma_y^2 D^3/E; 0 if it is unknown."""
+    unit = run.run.kind.energy_unit(run.run)
+    return input_energy(run) / unit if unit else 0.0
+
+
+def have_unlike_inputs(runs: Sequence[ComparedRun]) -> bool:
+    """Return True for runs of several kinds whose inputs relative to sigma_y^2 D^3/E differ, or are
+    not known.
+    """
+    if len({run.run.kind for run in runs}) < _LEAST_KINDS:
+        return False
+    inputs = [relative_input(run) for run in runs]
+    return not all(inputs) or not _are_equal(inputs)
 
 
 def _input_text(run: ComparedRun) -> str:

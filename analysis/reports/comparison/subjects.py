@@ -44,6 +44,11 @@ NONE_FURTHER = "no others replaced"  # ... and of a run with those of all runs o
 _LONGEST_REPLACEMENT = 30  # characters of replaced grains that a label lists
 _OF_MATERIAL = "material."
 _OF_BOUNDARY = "boundary."
+_BOTTOM = "boundary.bottom"
+_OF_BAR = "bar."
+_BAR = "bar.length"  # the key that names a bar in a label
+_BEFORE_SUPPORT = ("packing.", "material.")  # keys that are first in a label
+_LAST = 3
 _CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by their units
 _MOST_KEYS = 3  # in a label
 _LONGEST = 44  # characters of a label
@@ -376,7 +381,8 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     if len({run.kind for run in runs}) > 1:
         keys = comparable_keys(keys, with_case)
     keys = [key for key in keys if not _has_table(key, runs)]
-    keys.sort(key=lambda key: key == SEED)  # the last, so that short labels omit it first
+    keys = _with_one_key_of_bar(keys)
+    keys.sort(key=_order_in_label)
     values = {key: _value_texts(key, runs) for key in keys}
     usual = {key: _usual(of_runs) for key, of_runs in values.items()}
     ends = [_end_of(run) for run in runs]
@@ -435,9 +441,31 @@ def _value_texts(key: str, runs: Sequence[ReportRun]) -> list[str]:
     if key == _REPLACED:
         return _replacement_texts(runs)
     return [
-        "" if is_nothing(run.case.get(key)) else value_text(key, run.case, missing="")
-        for run in runs
+        "" if _is_left_out(key, run.case) else value_text(key, run.case, missing="") for run in runs
     ]
+
+
+def _is_left_out(key: str, case: Mapping[str, Any]) -> bool:
+    """Return True for a value that is missing or zero, and for the bottom of a chain on a bar."""
+    return is_nothing(case.get(key)) or (key == _BOTTOM and _BAR in case)
+
+
+def _with_one_key_of_bar(keys: Sequence[str]) -> list[str]:
+    """Return the keys without the other keys of a bar next to its length."""
+    if _BAR not in keys:
+        return list(keys)
+    return [key for key in keys if key == _BAR or not key.startswith(_OF_BAR)]
+
+
+def _order_in_label(key: str) -> int:
+    """Return the order of a key in a label: the support before the law, and the seed last, so that
+    short labels omit it first.
+    """
+    if key == SEED:
+        return _LAST
+    if key.startswith(_BEFORE_SUPPORT):
+        return 0
+    return 1 if key.startswith((_OF_BOUNDARY, _OF_BAR)) else 2
 
 
 def _replacement_texts(runs: Sequence[ReportRun]) -> list[str]:
@@ -462,6 +490,8 @@ def _with_name(key: str, text: str) -> str:
     """
     if key == _REPLACED:
         return text
+    if key == _BAR:
+        return f"bar of {text}"
     is_bare = re.fullmatch(r"[-+.\de]+", text) is not None
     is_unclear = text[:1].isdigit() and key not in _CLEAR
     if is_bare or is_unclear or key.startswith(_OF_BOUNDARY):

@@ -9,6 +9,7 @@ from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.comparison.compared_value import MARK, PARTIAL, ComparedValue, factor
 from granwave.analysis.reports.comparison.ends import have_unlike_ends
+from granwave.analysis.reports.comparison.energy_inputs import have_unlike_inputs
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     names_in_words,
@@ -22,6 +23,7 @@ _ALL_COMPLETE = "that are complete in every run"  # follows "results"
 _COMPLETE = "that is complete in every run"  # follows "result"
 _MOST_LABELS = 6  # truncated values that a sentence lists
 _MOST_NAMED = 4  # runs with an equal value that a sentence lists
+_UNLIKE_INPUTS = ", with dissimilar inputs"  # follows the ratio of packings and blocks
 _IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
 _PERCENT = 100.0
 
@@ -61,6 +63,7 @@ def sentence(
         results = f"{other}results {_ALL_COMPLETE}" if is_truncated else f"{other}results"
         return f"{results[0].upper()}{results[1:]} {_agreement(largest)}."
     most, *others = [_clause(value, names_with_cases(runs)) for value in of_families(distinct)]
+    most = f"{most}{_UNLIKE_INPUTS if have_unlike_inputs(runs) else ''}"
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
     text = f"The {other}main results differ most in {most}."

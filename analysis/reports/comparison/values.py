@@ -10,7 +10,12 @@ from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.zone_resolution import error_of
 from granwave.analysis.quantities import quantities, report_columns
-from granwave.analysis.reports.comparison.compared_value import ROUNDING, ComparedValue, digits
+from granwave.analysis.reports.comparison.compared_value import (
+    ROUNDING,
+    STILL_GROWING,
+    ComparedValue,
+    digits,
+)
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
     growing_names,
@@ -37,7 +42,7 @@ _NO_OUTCOME = (
 #: Values that kinds of runs do not share, or define in another way.
 _OF_ONE_KIND = (
     "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "peak_force_N",
-    "impactor_velocity_m_s",
+    "impactor_velocity_m_s", "energy_input_normalised", "energy_kinetic_J",
 )  # fmt: skip
 #: Values that are left out where they equal another value in every run.
 _REPEATING = (
@@ -234,12 +239,13 @@ def _value(
     )
 
 
-def _rank(value: ComparedValue) -> tuple[bool, float]:
+def _rank(value: ComparedValue) -> tuple[bool, bool, float]:
     """Return the order of a value: zeros next to numbers and different signs, then the most
     different; values that a compared run lacks or that are truncated or limited, and negligible
-    fractions come last.
+    fractions come last, of these values that still grow first.
     """
-    return not value.has_complete_runs or value.is_negligible, -value.spread
+    is_last = not value.has_complete_runs or value.is_negligible
+    return is_last, is_last and value.without_ratio != STILL_GROWING, -value.spread
 
 
 def _family(name: str) -> str:

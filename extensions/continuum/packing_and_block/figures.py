@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from pandas import DataFrame, Series
 
 from granwave.analysis.document.model import DocumentTable, show
+from granwave.analysis.figures.edges import mark_outside
 from granwave.analysis.figures.series import label, legend_outside, panels
 from granwave.analysis.figures.style import (
     BLUE,
@@ -502,7 +503,11 @@ def _peak_force_against_impulse(linearity: Linearity) -> Drawing:
     right.axhline(1, color=ORANGE, linewidth=0.8)
     low, high = exponent.quantile((0.005, 0.995))
     limits = min(low, 0.8), max(high, 1.2)
-    label(right, "Depth of the contact (mm)", "Exponent of force against impulse", ylim=limits)
+    label(right, "Depth of the contact (mm)", "Exponent of force\nagainst impulse", ylim=limits)
+    n_outside = mark_outside(right, depth * _MILLI, exponent, BLUE)
+    if n_outside:
+        title = f"triangles: outside the axis ({n_outside} of {len(exponent)})"
+        right.set_title(title, fontsize=7)
     return Drawing(figure, columns | {"depth_m": depth, "exponent": exponent})
 
 

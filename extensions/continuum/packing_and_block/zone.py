@@ -44,18 +44,22 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
 )
 
 UNRESOLVED = "not resolved"
+_LEAST_DRAWN = 2  # zones of a figure
 _ROUNDING = 1e-9  # relative difference of equal sizes
 _MARKERS = "os^"  # markers of the fractions
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
 _CUT_REMARK = (
-    "Where the zone reaches a boundary (open markers in the figure), or was still growing at the "
-    "end of the run, the total extent is a lower limit (≥)."
+    "Where the zone reaches a boundary{}, or was still growing at the end of the run, the total "
+    "extent is a lower limit (≥)."
 )
+_IN_FIGURE = " (open markers in the figure)"
 _WAVE_REMARK = (
-    "Half-open markers: a reflection from a boundary could arrive while the last part of the "
-    "energy was dissipated, at most {:.2g} % of the plastic dissipation."
+    "{}a reflection from a boundary could arrive while the last part of the energy was dissipated, "
+    "at most {:.2g} % of the plastic dissipation."
 )
+_WAVE_IN_FIGURE = "Half-open markers: "
+_WAVE_IN_TABLE = "In some blocks "
 _COMPARED_REMARK = (
     "Influence of the boundaries: {} computed in {} of different sizes. The largest differences "
     "between the two largest of each are, {}."
@@ -92,9 +96,7 @@ def zones(impacts: Impacts) -> dict[str, DataFrame]:
 def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Sizes of the zone against energy, of packings and of blocks."""
     sides = {what: _resolved(side) for what, side in zones(impacts).items()}
-    every = concat(sides.values())
-    sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
-    if sizes and len(sides["packing"]) and len(every) > 1:
+    if sizes := _sizes_drawn(sides):
         markers = "Open markers"
         if (sides["packing"]["mark"] == Mark.CUT).all():
             markers = "Open markers, here all of packings"
@@ -106,6 +108,14 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 
 
+def _sizes_drawn(sides: Mapping[str, DataFrame]) -> list[str]:
+    """Return the sizes that the figure shows, of resolved zones; empty if there is no figure."""
+    every = concat(sides.values())
+    if not len(sides["packing"]) or len(every) < _LEAST_DRAWN:
+        return []
+    return [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
+
+
 def _resolved(zones: DataFrame) -> DataFrame:
     """Return the zones whose sizes are not those of single elements."""
     return zones[zones["is_resolved"]] if len(zones) else zones
@@ -114,7 +124,9 @@ def _resolved(zones: DataFrame) -> DataFrame:
 def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Sizes of all runs, and remarks on sizes limited by a boundary or by the end of the run."""
     rows: list[dict[str, Any]] = []
-    for side in zones(impacts).values():
+    sides = zones(impacts)
+    is_drawn = bool(_sizes_drawn({what: _resolved(side) for what, side in sides.items()}))
+    for side in sides.values():
         rows += side.to_dict("records")
     shown = {id(zone["run"]) for zone in rows}
     others = _sizes("packing", concat([impacts.other_substances, impacts.other_packings]))
@@ -139,14 +151,16 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         zone["outermost_depth_open_ended"] or zone["outermost_radius_open_ended"] for zone in rows
     ]
     if any(is_open):
-        yield Note(f"{_CUT_REMARK} {_influence_of_bounds(impacts, 'packing')}", "note")
+        remark = _CUT_REMARK.format(_IN_FIGURE if is_drawn else "")
+        yield Note(f"{remark} {_influence_of_bounds(impacts, 'packing')}", "note")
     shares = [
         zone["run"].value("wave_return_share")
         for zone in rows
         if zone["mark"] == Mark.WAVE and zone["what"] == "continuum"
     ]
     if shares:
-        text = _WAVE_REMARK.format(100 * max(shares))
+        first = _WAVE_IN_FIGURE if is_drawn else _WAVE_IN_TABLE
+        text = _WAVE_REMARK.format(first, 100 * max(shares))
         yield Note(f"{text} {_influence_of_bounds(impacts, 'continuum')}", "note")
 
 

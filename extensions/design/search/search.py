@@ -270,12 +270,14 @@ def fitted(space: Space, designs: Sequence[Values], values: Array) -> Any:
         return GaussianProcessRegressor(kernel, normalize_y=True).fit(x, values)
 
 
-def importance(space: Space, designs: Sequence[TriedDesign], n: int = 512) -> dict[str, float]:
+def importance(space: Space, designs: Sequence[TriedDesign], n: int = 2048) -> dict[str, float]:
     """Return the fraction of the variance of the first objective due to each variable alone
     (first-order Sobol index).
 
-    The variance is computed over the complete space with the fitted model; the fractions sum to
-    less than 1 if several variables have joint effects.
+    The variance is computed over the complete space with the fitted model, by Jansen's estimator:
+    half of the mean square of the difference of two designs with equal values of this variable is
+    the variance due to the others. The fractions sum to less than 1 if several variables have joint
+    effects. A larger sum, by errors of sampling, is reduced to 1.
     """
     complete = _complete(designs)
     if len(complete) < _FEWEST_MODELLED:
@@ -294,10 +296,11 @@ def importance(space: Space, designs: Sequence[TriedDesign], n: int = 512) -> di
     for variable in space.variables:
         key = variable.key
         mixed = [{**a, key: b[key]} for a, b in zip(first, second, strict=True)]
-        change = model.predict(space.features(mixed)) - first_scores
-        index = float(np.mean(second_scores * change)) / variance
+        change = second_scores - model.predict(space.features(mixed))
+        index = 1 - 0.5 * float(np.mean(change**2)) / variance
         indices[key] = min(max(index, 0.0), 1.0) if math.isfinite(index) else 0.0
-    return indices
+    total = max(1.0, sum(indices.values()))
+    return {key: index / total for key, index in indices.items()}
 
 
 def front(losses: Sequence[Sequence[float]]) -> list[int]:

@@ -92,7 +92,7 @@ class Contact:
 def of_loading(one):
     """Rows of the differences from the law at two overlaps, and over two ranges of the overlap."""
     for spot in SPOTS:
-        yield gw.Row(f"Finite elements / law at {spot:g} alpha_y, {one.name}", "%", theory=0.0, digits=2,
+        yield gw.Row(f"Deviation of finite elements from the law at {spot:g} alpha_y, {one.name}", "%", theory=0.0, digits=2,
                      ours=100 * one.near(spot, one.scaled, one.over_law), where="thesis Fig. 2.8")  # fmt: skip
     deep = one.scaled > SPOTS[-1]
     spans = "1 to 10 alpha_y", f"10 alpha_y to {one.depth[-1]:.2g} R*"
@@ -100,7 +100,7 @@ def of_loading(one):
         over = 100 * one.over_law[chosen]
         for word, ours in (("smallest", over.min()), ("largest", over.max())):
             worst = one.identical and abs(ours) == np.abs(over).max()
-            yield gw.Row(f"Finite elements / law from {span}: {word}, {one.name}", "%", theory=0.0, digits=2,
+            yield gw.Row(f"Deviation of finite elements from the law from {span}: {word}, {one.name}", "%", theory=0.0, digits=2,
                          source=math.copysign(6.0, ours) if worst else None, ours=ours, where="thesis 2.1.2",
                          remark=remark if worst else "")  # fmt: skip
 

@@ -99,9 +99,10 @@ def rows(theory):
                      where="ours", digits=3)
         yield gw.Row(f"delta_hat of the legend, {run.label}", source=LEGENDS[round(run.a, 7)], ours=delta_hat, digits=3,
                      where="thesis figure 6.10", remark="Our values are about four times as "
-                                                        "large, and their ratio is the ratio of "
-                                                        "the a. The legends are the delta_hat of "
-                                                        "the drawn curves.")
+                                                        "large, and their ratios equal the "
+                                                        "ratios of the precompressions a. The "
+                                                        "legends are the delta_hat of the drawn "
+                                                        "curves.")
     of_energy = slope(*theory.curve)
     yield gw.Row("Slope of ln(decay of the force) against delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
                  where="thesis figure 6.11", theory=of_energy,

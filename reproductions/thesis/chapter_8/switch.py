@@ -140,10 +140,11 @@ def verdict(measured):
         f"cylinders) to {rubbed[-1]:.1f} N ({NUMBERS[-1]}), without friction only to {peak[OPEN, 0.0][-1]:.1f} "
         "N. The decay in the source is therefore due to its fitted friction."
     )
+    ends = dict.fromkeys(f"{force:.2f}" for force in (min(loose), max(loose)))
     yield (
-        f"Loose cylinders downstream have no effect ({min(loose):.2f} to {max(loose):.2f} N for "
-        "any number); upstream each pair reduces the peak. In the source the two states are "
-        "exchanged."
+        f"Loose cylinders downstream have no effect ({' to '.join(ends)} N for "
+        "any number of cylinders); upstream each pair reduces the peak. In the source the two "
+        "states are exchanged."
     )
 
 

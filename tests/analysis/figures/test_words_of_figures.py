@@ -5,6 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from granwave.analysis.figures.chains import (
+    along_chain,
+    bars,
+    words_along_chain,
+    words_on_bars,
+)
 from granwave.analysis.figures.histories import bottom_force
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.sections import reached_by_front, wave_front
@@ -14,6 +20,7 @@ from granwave.analysis.notebook.run import Run
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 from granwave.workflows import load_case, run_case
 
@@ -93,3 +100,48 @@ def test_impact_in_the_plane_of_a_layer(layer):
     report = str(build_report(read_inputs([layer], layer.parent)))
     assert "does not reach the bottom" not in report
     assert "quarter is cut away" not in report
+
+
+@pytest.fixture(scope="module")
+def short_chain(tmp_path_factory):
+    """An elastic chain in front of a bar, with forces of a few newtons and energies of nJ."""
+    bar = {"length": 0.6, "elements": 100, "area": 28e-6, "material": "aluminium"}
+    case = {
+        "name": "short", "material": "aluminium", "bar": bar, "load": {"velocity": 0.05},
+        "contact": {"law": "hertz"}, "packing": {"kind": "chain", "size": 6, "diameter": 6e-3},
+        "run": {"end_time": 2e-4},
+    }  # fmt: skip
+    directory = tmp_path_factory.mktemp("short")
+    run_case(case_from_dict(case), directory, figures=False)
+    return directory
+
+
+def test_units_of_bars_follow_the_values_and_the_caption_the_bar(short_chain):
+    with style(), Result(short_chain) as result:
+        drawing = bars(result)
+        upper, lower = drawing.figure.axes
+        caption, look = words_on_bars(result, short_chain)
+        speed = result.assembly.bars[0].wave_speed
+    assert upper.get_ylabel().endswith("(N)")
+    assert lower.get_ylabel() == "Energy in the bar (nJ)"
+    columns = drawing.columns
+    np.testing.assert_allclose(
+        upper.lines[0].get_ydata().max(), columns["bar_contact_force_N"].max()
+    )
+    np.testing.assert_allclose(
+        lower.lines[0].get_ydata().max(), 1e9 * columns["bar_energy_J"].max()
+    )
+    assert caption == "Bars: contact force and energy"
+    assert f"returns from the far end after {1.2 / speed * 1e6:.0f} µs (bar)" in look
+
+
+def test_caption_along_a_chain_names_only_what_is_drawn(short_chain):
+    """Without a static load and without dissipation."""
+    with style(), Result(short_chain) as result:
+        drawing = along_chain(result)
+        caption, look = words_along_chain(result, short_chain)
+    names = drawing.figure.axes[0].get_legend_handles_labels()[1]
+    assert len(drawing.figure.axes) == 1
+    assert "static" not in caption and "dissipation" not in caption
+    assert ("crosses" in caption) == ("largest of the run" in names)
+    assert ("Open circles" in look) == ("larger pulse may follow" in names)

@@ -42,6 +42,8 @@ def test_peaks_of_the_first_wave_are_constant_up_to_the_wall(tmp_path):
     with run(tmp_path) as result:
         peaks = leading_peaks(result)
         largest = result.along_chain("peak_force")
+        layers = layer_peaks(result)
+    assert layers.n_left_out == layers.n_hidden > 0  # a uniform chain has no larger pulse behind
     known = np.isfinite(peaks)
     assert known[:35].all()
     assert not known[-1]

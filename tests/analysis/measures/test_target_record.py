@@ -122,3 +122,14 @@ def test_an_impulse_grows_if_a_hundredth_belongs_to_the_last_tenth(late, grows):
     pulse = np.where((time > 0) & (time <= 0.5), 2.0, 0.0)
     tail = np.where(time > 0.9, 10 * late, 0.0)
     assert Reached(time, 3.0 + pulse + tail, None).has_growing_impulse is grows
+
+
+@pytest.mark.parametrize(
+    ("arrived", "text"),
+    [(0.15, "15 %"), (0.797, "79.7 %"), (0.79864, "79.9 %"), (0.79999, "79.9 %")],
+)
+def test_a_fraction_below_80_per_cent_is_not_rounded_to_it(arrived, text):
+    time = np.array([0.0, 1.0, 2.0])
+    record = Reached(time, np.array([0.0, arrived, 0.0]), None, momentum=1.0, momentum_down=1.0)
+    assert record.awaits_momentum
+    assert record.arrived_in_words == text

@@ -280,7 +280,8 @@ def test_figures_of_zones_have_open_marks(scan):
         assert to_hex(lines[10.0,].get_markerfacecolor()) == "#ffffff"
         assert lines[5.0,].get_fillstyle() == "left"
         (legend,) = figure.legends
-        assert [text.get_text() for text in legend.get_texts()] == list(LABELS.values())
+        expected = [LABELS[mark] for mark in (Mark.CUT, Mark.WAVE)]
+        assert [text.get_text() for text in legend.get_texts()] == expected
     assert not found["peak_force_vs_load_velocity"].figure.legends
     columns = found["zone_depth_90_vs_load_velocity"].columns
     assert columns["zone_reaches_a_boundary"].tolist() == [0, 0, 0, 1]
@@ -329,6 +330,17 @@ def test_figure_of_the_size_shows_what_lies_farther_out():
     names = drawing.figure.axes[0].get_legend().get_texts()
     assert "zone reaches the bottom" in [name.get_text() for name in names]
     assert draw_zone_size(0 * energy, {"depth": depth}, 1.0, "D", {}) is None
+
+
+@pytest.mark.parametrize(("bounds", "is_open"), [({"bottom": 3.0}, True), ({}, False)])
+def test_markers_of_the_size_are_open_if_the_zone_reaches_a_boundary(bounds, is_open):
+    depth = np.array([0.0, 1.0, 2.0, 3.0])
+    distances = {"depth": depth, "radius": depth}
+    drawing = draw_zone_size(np.array([50.0, 30.0, 4.0, 1.0]), distances, 1.0, "D", bounds)
+    assert drawing is not None
+    lines = [line for line in drawing.figure.axes[0].lines if line.get_marker() in ("o", "s")]
+    assert len(lines) == 3  # depth, radius and legend
+    assert [line.get_markerfacecolor() == "white" for line in lines] == [is_open] * 3
 
 
 def test_legend_of_the_size_leaves_room_for_the_curves():

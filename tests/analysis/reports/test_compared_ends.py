@@ -29,6 +29,7 @@ pytestmark = pytest.mark.xdist_group("ends of compared runs")  # its fixture is 
 SMALL = {"packing.size": [6, 6, 4]}
 SLOW = {"packing.size": [6, 6, 6], "material": "ptfe", "contact.law": "hertz"}
 ENDS = {"early": 4e-5, "full": 2e-4}
+FINAL = 4e-4  # end at which the dissipated fractions no longer grow
 #: Values of the early run that the longer run changes.
 TRUNCATED = ("wall_peak_force_N", "wall_impulse_Ns", "n_plastic_spheres", "impactor_velocity_m_s")
 
@@ -42,6 +43,9 @@ def place(tmp_path_factory):
         run_case(load_case("fcc-small", changes), folder / name, figures=False)
     fast = SMALL | {"run.end_time": ENDS["full"], "load.velocity": 10}
     run_case(load_case("fcc-small", fast), folder / "fast", figures=False)
+    for name, velocity in (("final", 5), ("final-fast", 10)):
+        changes = SMALL | {"run.end_time": FINAL, "load.velocity": velocity}
+        run_case(load_case("fcc-small", changes), folder / name, figures=False)
     return folder
 
 
@@ -242,8 +246,8 @@ def test_chains_of_different_speed_are_compared_at_the_bottom(tmp_path):
 
 def test_a_short_run_does_not_remove_the_comparison_of_the_others(place):
     """The ratios are the ratios without it, and its values are marked in all tables."""
-    pair = compared(place, "full", "fast")
-    comparison = compared(place, "full", "early", "fast")
+    pair = compared(place, "final", "final-fast")
+    comparison = compared(place, "final", "early", "final-fast")
     names = ["wall_peak_force_N", "base_arrival_s", "peak_reduction", "dissipated_fraction"]
     values = {value.name: value for value in comparison.values}
     for name in names:
@@ -287,9 +291,9 @@ def test_all_sizes_of_a_limited_zone_have_no_difference_in_the_table_of_all_valu
 
 def test_a_value_that_most_runs_truncate_is_not_compared(place):
     """Four of six runs end early: two complete runs are no comparison of the six."""
-    comparison = compared(place, *["early"] * 4, "full", "fast")
+    comparison = compared(place, *["early"] * 4, "final", "final-fast")
     values = {value.name: value for value in comparison.values}
     assert values["dissipated_fraction"].without_ratio == "truncated"
     assert len(comparison.truncated["dissipated_fraction"]) == 4
-    half = compared(place, "early", "early", "full", "fast")
+    half = compared(place, "early", "early", "final", "final-fast")
     assert "dissipated_fraction" not in half.without_ratio

@@ -238,6 +238,14 @@ def test_symbols_are_defined_with_their_values(tmp_path):
     assert note.text.startswith("F_max = 700 N is the largest force between two")
 
 
+def test_the_yield_force_of_a_chain_of_two_materials_names_its_material(tmp_path):
+    run = write_run(tmp_path / "run", energy_input_J=0.05)
+    with (run / "case.toml").open("a", encoding="utf-8") as file:
+        file.write('\n[[replace]]\nindex = 1\nmaterial = "aluminium"\n')
+    (note,) = symbols_note(read_inputs([run], tmp_path))
+    assert "is the force at which a contact of two spheres of brass first yields." in note.text
+
+
 def test_symbols_that_no_table_or_figure_uses_are_not_defined(tmp_path):
     """Tables of a run without figures use none; a picture of the dissipation uses e_in."""
     run = write_run(tmp_path / "run", figures=False, energy_input_J=0.05, peak_force_N=700.0)
@@ -270,6 +278,8 @@ def test_symbols_that_no_table_or_figure_uses_are_not_defined(tmp_path):
          "chain of 2, ptfe, 10 mm, 5 m/s, some spheres replaced"),
         ({"boundary.bottom": {"plate": {"mass": 0.5}, "material": {"name": "steel"}}},
          "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, on a steel plate of 0.5 kg, ideal"),
+        ({"boundary.sides": "periodic"}, "fcc 24 × 24 × 12, periodic sides, brass, 10 mm, 5 m/s, ideal"),
+        ({"boundary.sides": "free"}, "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, ideal"),
     ],
 )  # fmt: skip
 def test_what_was_run(changes, line):

@@ -132,6 +132,16 @@ def test_bars_of_long_names_lie_and_cut_nothing_off(values):
     assert drawing.columns["bottom"].tolist() == ticks * 2
 
 
+def test_bars_of_two_curves_are_distinguished_without_colours():
+    """Neighbouring curves have different hatches; many curves differ in colour or hatch."""
+    key = key_of("boundary.bottom", BOTTOMS)
+    ticks = [key.tick(row) for row in range(4)]
+    values = [1.0, 2.0, 3.0, 4.0]
+    drawing = draw_bars(points(range(4), values, 2), ticks, "Bottom", "y", [key], ("bottom", "y"))
+    hatches = [container[0].get_hatch() for container in drawing.figure.axes[0].containers]
+    assert len(set(hatches)) == 2
+
+
 def test_bars_of_many_short_names():
     ticks = [str(n) for n in range(1, 31)]
     drawing = draw_bars(points(range(30)), ticks, "n", "y", [], ("n", "y"))

@@ -142,3 +142,57 @@ def test_an_unfinished_collision_does_not_hide_the_restitution(tmp_path):
     )
     columns = drawings(ScanResult(scan))["restitution_vs_load_velocity"].columns
     assert list(columns["load.velocity_m_s"]) == [1.0, 5.0, 20.0]
+
+
+def means_with(directory, points, values_of):
+    """Return the means of a scan with values of the summaries that follow from the labels."""
+    scan = write_scan(directory, points)
+    for point in ScanResult(scan).points:
+        path = point.directory / "summary.json"
+        write_json(path, json.loads(path.read_text()) | values_of(point.labels))
+    return means_of(ScanResult(scan))
+
+
+def test_values_that_the_end_limits_have_no_trend(tmp_path):
+    """At the largest scatter the force is lower since the run ends before the larger pulse."""
+
+    def values_of(labels):
+        scatter = labels["packing.diameter_scatter"]
+        incomplete = [FORCE] if scatter == 10e-6 else []
+        return {FORCE: 100 - 5e6 * scatter, "incomplete_values": incomplete}
+
+    points = grid(packing__diameter_scatter=SCATTERS, packing__seed=[1, 2])
+    means = means_with(tmp_path / "scan", points, values_of)
+    sentence = means.sentence(FORCE)
+    assert "falls" not in sentence
+    assert "It is not final at 1 of 3 points" in sentence
+    assert sentence.endswith("(diameter scatter 10 µm): increase run.end_time.")
+    assert means.range_in_words(FORCE).endswith("; not final at the end of the run at 1 of 3")
+    marks = drawings(ScanResult(tmp_path / "scan"))
+    data = marks["bottom_peak_force_vs_packing_diameter_scatter"].columns
+    assert list(data["not_final_at_the_end_of_the_run"]) == [0, 0, 1]
+
+
+def test_a_change_beyond_the_intervals_comes_first(tmp_path):
+    """The dissipated fraction scatters; the force on the bottom falls by more than its scatter."""
+
+    def values_of(labels):
+        force = noisy(100 - 5e6 * labels["packing.diameter_scatter"], labels, 1.0)
+        lost = noisy(0.5 + 1e3 * labels["packing.diameter_scatter"], labels, 0.2)
+        return {FORCE: force, "dissipated_fraction": lost}
+
+    points = grid(packing__diameter_scatter=SCATTERS, packing__seed=[1, 2, 3])
+    names = [key for _, key in means_with(tmp_path, points, values_of).quantities()]
+    assert names.index(FORCE) < names.index("dissipated_fraction")
+
+
+def test_nothing_yields_with_hertzian_contacts(tmp_path):
+    def values_of(labels):
+        if labels["contact.law"] == "hertz":
+            return {"zone_volume_90_m3": None, "n_plastic_spheres": 0}
+        return {"zone_volume_90_m3": 1e-9 * labels["load.velocity"], "n_plastic_spheres": 3}
+
+    points = grid(contact__law=["hertz", "elastoplastic"], load__velocity=[1.0, 2.0])
+    means = means_with(tmp_path, points, values_of)
+    assert means.range_in_words("zone_volume_90_m3").endswith("no plastic zone at 2 of 4 points")
+    assert "There is no plastic zone at 2 of 4 points" in means.sentence("zone_volume_90_m3")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import h5py
 import pytest
 
@@ -80,6 +82,7 @@ def test_a_block_and_a_packing_are_compared_by_fractions_of_the_input(tmp_path):
     comparison = compare_runs(read_inputs([run, grains], tmp_path).runs)
     (lead,) = comparison.paragraphs
     assert lead.startswith("The main results differ most in dissipated fraction, 10 % (block)")
+    assert ", a ratio of 8, with dissimilar inputs." in lead
     assert "zone" not in lead
     definitions, limits, *_ = comparison.grouped_notes
     assert "Inputs differ: 5 J (100 g at 10 m/s) in block, 50 mJ (1 g at 10 m/s) in" in definitions
@@ -119,6 +122,54 @@ def test_dissipated_energy_of_a_block_is_that_of_the_table(block_and_packing):
 def _caption_of(run, name):
     """Return the caption of a figure of a comparison of a run with itself."""
     return compare_runs([run.run, run.run]).caption(name)
+
+
+def test_inputs_of_a_block_and_a_packing_come_before_their_ratios(block_and_packing):
+    """They are relative to the unit that both kinds have, and the ratio has a word on them."""
+    packing, block = block_and_packing.runs
+    first, *_ = block_and_packing.paragraphs
+    unit = packing.run.case["material.yield_strength"] ** 2 / 115e9
+    unit *= packing.run.case["packing.diameter"] ** 3
+    relative = packing.run.summary["energy_input_J"] / unit
+    normalised = block.run.summary["energy_input_normalised"]
+    assert f"{relative:.3g} in packing, {normalised:.3g} in block" in first
+    larger = max(relative / normalised, normalised / relative)
+    assert f"a ratio of {larger:.3g} between" in first
+    (alone,) = compare_runs([packing.run, packing.run]).paragraphs
+    assert alone.startswith("Nothing differs: ")
+
+
+def test_values_of_a_block_and_a_packing_side_by_side(block_and_packing, tmp_path):
+    """No ratio of values in different units or with different contents, no verdict on a single
+    value, no difference of settings, and one reason for all sizes of the zone.
+    """
+    places = [run.run.directory for run in block_and_packing.runs]
+    report = build(places, tmp_path)
+    rows = {
+        row["Quantity"].text: row["Difference"].text
+        for row in table(report, "results", "Values side by side")
+    }
+    assert rows["Energy input, normalised"] == "defined differently"
+    assert rows["Kinetic energy"] == "defined differently"
+    assert rows["Accepted balance error"] == ""
+    assert rows["Volume that ever yielded"] == ""
+    assert rows["Balance error"] != "-100 %"
+    sizes = {text for label, text in rows.items() if re.search(r" \d\d % (depth|volume)", label)}
+    assert len(sizes) == 1
+
+
+def test_the_kinetic_energy_of_a_block_includes_the_punch_in_the_figure(block_and_packing):
+    """The panel says so, and its caption gives the parts, which add up to the end of the curve."""
+    block = block_and_packing.runs[1]
+    curve = block_and_packing.data("energies").present[block]["kinetic"]
+    summary = block.run.summary
+    parts = summary["energy_kinetic_J"] + summary["energy_punch_J"]
+    assert curve.y[-1] * summary["energy_input_J"] == pytest.approx(parts, rel=1e-9)
+    with style():
+        first = block_and_packing.drawing("energies").figure.axes[0]
+    assert first.get_ylabel() == "Kinetic,\nwith punch"
+    caption = block_and_packing.caption("energies")
+    assert "in the block and" in caption and "in the punch at the end (block)" in caption
 
 
 def test_curves_on_a_logarithmic_axis_start_at_their_first_record(block_and_packing):

@@ -124,6 +124,15 @@ def test_importance_names_the_variable_that_matters():
     assert shares["x.1"] < 0.05
 
 
+def test_importance_of_effects_that_add():
+    """Large values with a small variance; the fractions of x.0 and x.1 are equal, their sum is 1."""
+    known = search(RANGES, lambda values: 20 + values["x.0"] + values["x.1"], 20, 1)
+    shares = importance(RANGES, known)
+    assert sum(shares.values()) <= 1 + 1e-12
+    assert shares["x.0"] == pytest.approx(0.5, abs=0.03)
+    assert shares["x.1"] == pytest.approx(0.5, abs=0.03)
+
+
 def test_random_search_as_the_model_expects_it():
     known = search(RANGES, lambda values: 1 + values["x.0"], 14, 1)
     expected = expected_random(RANGES, known, [1, 3])

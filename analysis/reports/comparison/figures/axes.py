@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from granwave.analysis.figures.series import COLOURS, label_log_axis
+from granwave.analysis.figures.series import COLOURS, label_log_axis, panels
+from granwave.analysis.figures.style import WIDTH
 from granwave.analysis.figures.user_axes import user_figure
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
@@ -34,6 +35,9 @@ _LINES: tuple[Any, ...] = (
     (0, (2, 2)),
 )
 _ABOVE_LINES = 0.01  # step of the order of drawing from a line style to the next
+_MANY_RUNS = 4  # runs of a figure that fills a row
+_FULL_ROW = 2 * WIDTH  # inches
+_ONE_PANEL = 2.9  # inches
 _FONT = 7  # font size of legends, points
 _LETTER = 0.054  # width of a letter of a legend, inches
 _HANDLE = 0.65  # width of its line and gaps, inches
@@ -49,6 +53,26 @@ _MOST_MARKED = 40  # points of a curve with markers
 _ROOM_ABOVE = 1.06  # upper end of a linear axis / largest value
 _ROOM_OF_LOG = 1.4  # end of a logarithmic axis / largest or smallest value
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
+
+
+def run_panels(
+    n_runs: int, n_panels: int, height: float, panel_height: float = _ONE_PANEL
+) -> tuple[Any, ...]:
+    """Return a new figure and its axes: panels below each other in the width of a column, and for
+    four and more runs side by side in a full row, where their legend has room.
+
+    Parameters
+    ----------
+    height
+        Height of the figure of few runs, inches.
+    panel_height
+        Height of the figure of many runs, inches.
+    """
+    if not is_in_a_row(n_runs):
+        return panels(height, rows=n_panels, sharex=True)
+    if n_panels == 1:
+        return panels(panel_height, width=_FULL_ROW)
+    return panels(panel_height, n_panels, width=_FULL_ROW)
 
 
 def run_styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
@@ -87,6 +111,18 @@ def run_markers(run: ComparedRun, places: Array) -> dict[str, Any]:
         "markerfacecolor": "none",
         "markeredgewidth": 0.8,
     }
+
+
+def is_in_a_row(n_runs: int) -> bool:
+    """Return True if the panels of a figure of so many runs are side by side."""
+    return n_runs >= _MANY_RUNS
+
+
+def label_lowest(panels_of_figure: Sequence[Axes], n_runs: int, text: str) -> None:
+    """Label the horizontal axes of the panels of `run_panels` that have no panel below them."""
+    lowest = panels_of_figure if is_in_a_row(n_runs) else panels_of_figure[-1:]
+    for axes in lowest:
+        axes.set_xlabel(text)
 
 
 def legend_above(figure: MatplotlibFigure) -> None:
@@ -167,12 +203,17 @@ def log_if_wide(*panels_of_figure: Axes) -> None:
     lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
     values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
     values = values[np.isfinite(values)]
-    is_wide = len(values) and values.max() > _WIDE * values.min()
+    is_logarithmic = is_wide(values)
     positive = values[values > 0]
     for axes in panels_of_figure:
-        if is_wide and len(positive):
+        if is_logarithmic and len(positive):
             axes.set_yscale("log")
             axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
             label_log_axis(axes, positive.max() / positive.min())
         else:
             axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))
+
+
+def is_wide(values: Array) -> bool:
+    """Return True for values that span more than a decade."""
+    return bool(len(values) and values.max() > _WIDE * values.min())

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from granwave.analysis.figures.series import against_time, column_name, label, panels
+from granwave.analysis.figures.series import against_time, column_name, label
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import SampledCurve, drawn_force_at_bottom
@@ -15,6 +15,7 @@ from granwave.analysis.reports.comparison.figures.axes import (
     draw_measured,
     force_unit,
     legend_above,
+    run_panels,
     run_styles,
     show_times_up_to,
 )
@@ -35,7 +36,7 @@ def draw_bottom_force(
     largest = max(float(np.abs(curve.y).max(initial=0.0)) for curve in curves.values())
     if not largest and not measured:
         return None
-    figure, axes = panels(2.7)
+    figure, axes = run_panels(len(curves), 1, 2.7)
     scale, unit = force_unit(largest)
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(curves)).items():

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.series import against_time, column_name, label, panels
+from granwave.analysis.figures.series import against_time, column_name, label
 from granwave.analysis.figures.style import Drawing
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
     FORMS,
@@ -16,7 +17,10 @@ from granwave.analysis.reports.comparison.curves import (
     numerical_shares,
 )
 from granwave.analysis.reports.comparison.figures.axes import (
+    is_in_a_row,
+    label_lowest,
     legend_above,
+    run_panels,
     run_styles,
     show_times_up_to,
 )
@@ -25,6 +29,11 @@ from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
 from granwave.analysis.reports.sentences import share
 
+_KINETIC = "kinetic"
+_WITH_PUNCH = "Kinetic,\nwith punch"
+_BLOCK_KEY = "energy_kinetic_J"
+_PUNCH_KEY = "energy_punch_J"
+_SIDE_BY_SIDE = 2.5  # inches
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 
 
@@ -36,7 +45,7 @@ def draw_energies(
     A form of energy that is zero in every run has no panel.
     """
     forms = [form for form in FORMS if _has_energy(curves, form)]
-    figure, *stack = panels(1.0 + 1.1 * len(forms), rows=len(forms), sharex=True)
+    figure, *stack = run_panels(len(curves), len(forms), 1.0 + 1.1 * len(forms), _SIDE_BY_SIDE)
     columns: dict[str, Array] = {}
     ends: dict[ComparedRun, float] = {}
     for run, look in run_styles(list(curves)).items():
@@ -48,13 +57,22 @@ def draw_energies(
             columns |= {f"{name}_time_s": curve.x, f"{name}_{form}_over_input": curve.y}
         ends[run] = float(curves[run][forms[0]].x[-1])
     for axes, form in zip(stack, forms, strict=True):
-        label(axes, y=form.capitalize())
+        of_input = " / input" if is_in_a_row(len(curves)) else ""
+        label(axes, y=f"{_title(form, curves)}{of_input}")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    label(stack[-1], "Time (µs)")
-    show_times_up_to(stack[-1], ends)
-    figure.supylabel("Energy / input", fontsize=8)
+        show_times_up_to(axes, ends)
+    label_lowest(stack, len(curves), "Time (µs)")
+    if not is_in_a_row(len(curves)):
+        figure.supylabel("Energy / input", fontsize=8)
     legend_above(figure)
     return Drawing(figure, columns)
+
+
+def _title(form: str, runs: Iterable[ComparedRun]) -> str:
+    """Return the title of the panel of a form of energy."""
+    if form == _KINETIC and any(run.run.number(_PUNCH_KEY) is not None for run in runs):
+        return _WITH_PUNCH
+    return form.capitalize()
 
 
 def _has_energy(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], form: str) -> bool:
@@ -67,6 +85,12 @@ def energy_notes(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]]) -> st
     if not blocks:
         return "A constant dissipated energy shows that no contact dissipates any more."
     first = "A constant dissipated energy shows that no contact and no element dissipates any more."
+    kinetic = [text for run in blocks if (text := _kinetic_text(run))]
+    if kinetic:
+        first = (
+            f"{first} The kinetic energy includes the impactor of a packing and the punch on a "
+            f"block: {'; '.join(kinetic)}."
+        )
     parts = [text for run in blocks if (text := _numerical_text(run))]
     if not parts:
         return first
@@ -75,6 +99,17 @@ def energy_notes(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]]) -> st
         f"dissipated fraction. Energies of its numerical method are in no panel: "
         f"{'; '.join(parts)}."
     )
+
+
+def _kinetic_text(run: ComparedRun) -> str:
+    """Return the kinetic energies of a block and of the punch at the end, in words; empty for a run
+    without a punch.
+    """
+    block, punch = [run.run.number(key) for key in (_BLOCK_KEY, _PUNCH_KEY)]
+    if block is None or punch is None:
+        return ""
+    parts = f"{quantity_in(block, 'J')} in the block and {quantity_in(punch, 'J')} in the punch"
+    return f"{parts} at the end ({run.name})"
 
 
 def _numerical_text(run: ComparedRun) -> str:

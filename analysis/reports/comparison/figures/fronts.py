@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from granwave.analysis.document.model import named
-from granwave.analysis.figures.series import column_name, label, panels
+from granwave.analysis.figures.series import column_name, label
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import SampledCurve, front
@@ -13,6 +13,7 @@ from granwave.analysis.reports.comparison.figures.axes import (
     draw_measured,
     legend_above,
     run_markers,
+    run_panels,
     run_styles,
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure, itself
@@ -27,7 +28,7 @@ def draw_fronts(
     curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
     """Draw the times at which the front of the wave reached each layer or bead."""
-    figure, axes = panels(2.7)
+    figure, axes = run_panels(len(curves), 1, 2.7)
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(curves)).items():
         curve = curves[run]

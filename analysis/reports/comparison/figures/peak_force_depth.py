@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.document.model import named
-from granwave.analysis.figures.series import column_name, label, panels
+from granwave.analysis.figures.series import column_name, label
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.formatting.numbers import interval
 from granwave.analysis.measures.force_decay import Decay, ForceDecay, better_of, objection
@@ -22,9 +22,11 @@ from granwave.analysis.reports.comparison.curves import (
 )
 from granwave.analysis.reports.comparison.figures.axes import (
     draw_measured,
+    label_lowest,
     legend_above,
     log_if_wide,
     run_markers,
+    run_panels,
     run_styles,
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
@@ -34,6 +36,7 @@ from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _MILLI = 1e3
 _POINTS_OF_FIT = 30
+_MOST_CONSTANTS = 3  # fits whose constants the caption lists
 _N_LAWS = 2  # laws of decay: exponential and power
 _OTHER_LAW = "it follows the other law"
 _LEAST_MEDIAN = 1e-5  # of the largest force of a run; smaller medians are of layers at rest
@@ -48,7 +51,7 @@ def draw_peaks(
     where layers are left out.
     """
     n_panels = 1 + _have_layers(peaks)
-    figure, upper, *others = panels(1.0 + 1.8 * n_panels, rows=n_panels, sharex=True)
+    figure, upper, *others = run_panels(len(peaks), n_panels, 1.0 + 1.8 * n_panels)
     fits = common_fits(peaks)
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(peaks)).items():
@@ -74,11 +77,14 @@ def draw_peaks(
             f"{name}_largest_N": one.largest,
             f"{name}_median_N": one.median,
         }
+        if run in fits:
+            columns |= _fit_columns(name, fits[run])
     columns |= draw_measured(upper, measured, _MILLI, 1.0)
-    label(upper, "" if others else "Depth (mm)", _peak_title(peaks))
+    label(upper, y=_peak_title(peaks))
     for lower in others:
         upper.set_title("largest of the layer")
-        label(lower, "Depth (mm)", _median_title(peaks), title="median of the layer")
+        label(lower, y=_median_title(peaks), title="median of the layer")
+    label_lowest([upper, *others], len(peaks), "Depth (mm)")
     log_if_wide(upper, *others)
     legend_above(figure)
     return Drawing(figure, columns)
@@ -147,6 +153,25 @@ def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     constant = "b" if isinstance(common, ForceDecay) else "n"
     has_several = sum(one.decays is not None for one in peaks.values()) > 1
     why = "the same law for all runs so that its constants can be compared, " if has_several else ""
+    fitted = (
+        f"Dotted: {_law(common)}, {why}fitted to the largest force between the impacted and the "
+        f"last layer; {constant} and its standard error: {_constants_of_runs(fits)}."
+    )
+    return " ".join(filter(None, [fitted, _other_law(peaks, common), without]))
+
+
+def _constants_of_runs(fits: Mapping[ComparedRun, Decay]) -> str:
+    """Return the constants of the fits with their runs; of many runs the smallest and the largest,
+    as the data of the figure have all.
+    """
+    if len(fits) > _MOST_CONSTANTS:
+        ordered = sorted(fits, key=lambda run: _value_and_error(fits[run])[0])
+        ends = [f"{_constant(fits[run])} ({run.name})" for run in (ordered[0], ordered[-1])]
+        largest = max(fit.misfit for fit in fits.values())
+        return (
+            f"from {' to '.join(ends)}, rms up to {100 * largest:.2g} %; the data of the figure "
+            "have all"
+        )
     names: dict[tuple[str, str], list[str]] = {}
     for run, fit in fits.items():
         names.setdefault((_constant(fit), _quality(fit)), []).append(run.name)
@@ -154,11 +179,25 @@ def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
         f"{constant_of_runs} ({', '.join(runs)}, {quality})"
         for (constant_of_runs, quality), runs in names.items()
     ]
-    fitted = (
-        f"Dotted: {_law(common)}, {why}fitted to the largest force between the impacted and the "
-        f"last layer; {constant} and its standard error: {'; '.join(parts)}."
-    )
-    return " ".join(filter(None, [fitted, _other_law(peaks, common), without]))
+    return "; ".join(parts)
+
+
+def _value_and_error(fit: Decay) -> tuple[float, float]:
+    """Return the constant of a fit and its standard error: 1/m, or without a unit."""
+    if isinstance(fit, ForceDecay):
+        return fit.rate, fit.error
+    return fit.exponent, fit.error
+
+
+def _fit_columns(name: str, fit: Decay) -> dict[str, Array]:
+    """Return the columns of a fit in the data of the figure."""
+    unit = "_per_m" if isinstance(fit, ForceDecay) else ""
+    constant, error = _value_and_error(fit)
+    return {
+        f"{name}_decay{unit}": np.array([constant]),
+        f"{name}_decay_error{unit}": np.array([error]),
+        f"{name}_decay_rms": np.array([fit.misfit]),
+    }
 
 
 def _other_law(peaks: Mapping[ComparedRun, PeaksByDepth], common: Decay) -> str:
@@ -255,32 +294,60 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     first = [run.name for run, one in peaks.items() if one.of_first_wave]
     whole = [run.name for run, one in peaks.items() if not one.of_first_wave]
     parts = []
+    is_common = len(peaks) > _MOST_CONSTANTS and not (first and whole)
     if first:
-        parts.append(f"of the first wave, before the reflection ({named(first, len(first))})")
+        names = "" if is_common else f" ({named(first, len(first))})"
+        parts.append(f"of the first wave, before the reflection{names}")
     if whole:
-        parts.append(f"of the whole run, with any reflections ({named(whole, len(whole))})")
-    later = [
-        f"{np.count_nonzero(one.is_later)} in {run.name}"
-        for run, one in peaks.items()
-        if one.is_later.any()
-    ]
+        names = "" if is_common else f" ({named(whole, len(whole))})"
+        parts.append(f"of the whole run, with any reflections{names}")
+    later_layers = {run: int(np.count_nonzero(one.is_later)) for run, one in peaks.items()}
+    later = _counts_of_runs(later_layers)
     if not later:
         return f"Largest forces {' and '.join(parts)}."
     return (
         f"Largest forces {' and '.join(parts)}. Markers without a line: layers whose largest force "
-        f"may include a reflection ({', '.join(later)}); they are not fitted."
+        f"may include a reflection; number of layers: {later}. They are not fitted."
     )
 
 
 def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return a sentence on layers that are left out; empty if there are none."""
-    parts = [f"{one.n_unknown} ({run.name})" for run, one in peaks.items() if one.n_unknown]
-    if not parts:
+    """Return sentences on layers that are left out; empty if there are none."""
+    return " ".join(filter(None, [_awaited_notes(peaks), _hidden_notes(peaks)]))
+
+
+def _hidden_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on layers whose first peak the reflection hides; empty if there are
+    none.
+    """
+    counts = _counts_of_runs({run: one.n_hidden for run, one in peaks.items()})
+    if not counts:
+        return ""
+    return f"Without layers at which the reflection hides the peak of the first wave: {counts}."
+
+
+def _awaited_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on layers that a larger pulse may still reach; empty if there are none."""
+    counts = _counts_of_runs({run: one.n_unknown for run, one in peaks.items()})
+    if not counts:
         return ""
     reasons = "that a larger pulse may still reach after the end"
     if any(one.is_chain and one.n_unknown for one in peaks.values()):
         reasons += " or after the reflection"
-    return f"Without layers {reasons}: {', '.join(parts)}."
+    return f"Without layers {reasons}: {counts}."
+
+
+def _counts_of_runs(counts: Mapping[ComparedRun, int]) -> str:
+    """Return numbers of layers with the runs that have them; of many runs each number once, with
+    its runs.
+    """
+    positive = {run: count for run, count in counts.items() if count}
+    if len(positive) <= _MOST_CONSTANTS:
+        return ", ".join(f"{count} ({run.name})" for run, count in positive.items())
+    names: dict[int, list[str]] = {}
+    for run, count in positive.items():
+        names.setdefault(count, []).append(run.name)
+    return "; ".join(f"{count} ({', '.join(runs)})" for count, runs in names.items())
 
 
 def _largest(peaks: PeaksByDepth) -> SampledCurve:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from granwave.analysis.document.model import named
-from granwave.analysis.figures.series import column_name, label, panels
+from granwave.analysis.figures.series import column_name, label
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import GrowthCurves, growth
 from granwave.analysis.reports.comparison.figures.axes import (
+    label_lowest,
     legend_above,
+    run_panels,
     run_styles,
     show_times_up_to,
 )
@@ -27,7 +29,7 @@ def draw_growth(
     zones: Mapping[ComparedRun, GrowthCurves], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
     """Draw number and depth of the yielded spheres against time."""
-    figure, upper, lower = panels(3.4, rows=2, sharex=True)
+    figure, upper, lower = run_panels(len(zones), 2, 3.4)
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(zones)).items():
         zone = zones[run]
@@ -40,10 +42,12 @@ def draw_growth(
             f"{name}_depth_m": zone.depth,
         }
     label(upper, y="Yielded spheres")
-    label(lower, "Time (µs)", "Deepest yield (mm)")
+    label(lower, y="Deepest yield (mm)")
+    ends = {run: float(zone.time[-1]) for run, zone in zones.items()}
     for axes in (upper, lower):
         axes.set_ylim(bottom=0)
-    show_times_up_to(lower, {run: float(zone.time[-1]) for run, zone in zones.items()})
+        show_times_up_to(axes, ends)
+    label_lowest([upper, lower], len(zones), "Time (µs)")
     legend_above(figure)
     return Drawing(figure, columns)
 

@@ -51,6 +51,24 @@ def test_labels_show_the_diameter(tmp_path):
     assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "c: hcp, 9 × 9 × 6, 6 mm, …"
 
 
+def test_labels_name_the_support_before_the_law(tmp_path):
+    """Two chains that end at a wall and at a bar differ in this, whatever their law; the bottom of
+    the chain on a bar is none.
+    """
+    bar = {"bar.length": 0.6, "bar.area": 2.8e-5, "bar.elements": 200}
+    wall = {"material.name": "glass", "contact.law": "hertz", "boundary.bottom": "wall"}
+    rod = {"material.name": "steel", "contact.law": "elastoplastic", "boundary.bottom": "free"}
+    places = [write_run(tmp_path / name, figures=False) for name in "ab"]
+    runs = [
+        dataclasses.replace(run, case=run.case | case)
+        for run, case in zip(read_inputs(places, tmp_path).runs, (wall, rod | bar), strict=True)
+    ]
+    assert [run.label for run in compared_runs(runs)] == [
+        "a: glass, bottom wall, hertz",
+        "b: steel, bar of 600 mm, elastoplastic",
+    ]
+
+
 def test_labels_name_a_plate_and_an_early_end(tmp_path):
     """The table of a plate is longer than a label; an early end is named without another
     difference.

@@ -10,6 +10,7 @@ import pytest
 import granwave as gw
 from granwave.analysis.reports.comparison.curves import energy_shares
 from granwave.analysis.reports.comparison.page import figure_folder, write_comparison
+from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.main import main
 from tests.analysis.reports.comparison.runs import compared, drawn
@@ -33,6 +34,17 @@ def test_lattices(place):
     assert list(drawn(comparison)) == names  # without runs whose grains correspond no difference
     legend = comparison.drawing("energies").figure.legends[0]
     assert [text.get_text() for text in legend.get_texts()] == ["fcc", "hcp"]
+
+
+def test_caption_of_dissipation_by_layer_gives_the_part_at_walls(place):
+    caption = compared(place, "fcc", "hcp").caption("dissipation_depth")
+    with Result(place / "fcc") as result:
+        last = result.assembly.lattice.last_layer
+        at_wall = result["wall_contacts/dissipated_energy"].sum()
+        whole = result["spheres/dissipated_energy"][result.rows(last)].sum()
+    assert at_wall > 0.1 * whole
+    assert "The contacts of a layer with walls are included (" in caption
+    assert f"{100 * at_wall / whole:.2g} % at " in caption and "in fcc" in caption
 
 
 def test_values_are_those_of_the_summaries(place):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -16,10 +19,13 @@ from granwave.analysis.measures.force_decay import (
 from granwave.analysis.reports.comparison.curves import PeaksByDepth, _after_gap, front
 from granwave.analysis.reports.comparison.fields import _tick_label, _ticks
 from granwave.analysis.reports.comparison.figures.peak_force_depth import (
+    PEAK_FORCE_DEPTH,
     common_fits,
     decay_notes,
     draw_peaks,
+    wave_notes,
 )
+from granwave.analysis.reports.comparison.subjects import ComparedRun
 from granwave.workflows import load_case, run_case
 from tests.analysis.reports.comparison.runs import compared, drawn
 
@@ -193,3 +199,52 @@ def test_equal_values_do_not_hide_curves_that_differ(place, tmp_path):
     )
     different = compared(place, "fcc", "fast", quantities=["peak_force_depth"])
     assert different.difference_sentence.startswith("The requested values differ most in")
+
+
+def _six_runs():
+    """Peaks of six runs with exponential decays of different rates, of two whose last layers the
+    reflection hides.
+    """
+    depth = np.arange(1.0, 21.0)
+    peaks = {}
+    for n in range(6):
+        force = np.exp(-(n + 1) * depth / 10) + 1e-3 * np.sin(depth) * np.exp(-(n + 1) * depth / 10)
+        fits = exponential_of_depth(depth, force), power_decay(depth, force, 1.0)
+        run = ComparedRun(SimpleNamespace(label=f"r{n}", case={}), f"r{n}", n, look=n)
+        hidden = 2 if n > 3 else 0
+        peaks[run] = PeaksByDepth(depth, force, force, fits, of_first_wave=True, n_hidden=hidden)
+    return peaks
+
+
+def test_captions_of_many_runs_have_the_extreme_constants_only():
+    """All constants are in the data of the figure."""
+    peaks = _six_runs()
+    text = decay_notes(peaks)
+    assert "per m (r0) to" in text and "per m (r5), rms up to" in text
+    assert "r1" not in text and "r4" not in text
+    assert "(" not in wave_notes(peaks)
+    drawing = draw_peaks(peaks, [])
+    for n in range(6):
+        assert drawing.columns[f"r{n}_decay_per_m"] == pytest.approx((n + 1) / 10, rel=1e-2)
+    three = dict(list(peaks.items())[:3])
+    assert "r1, 20 layers" in decay_notes(three) and "(r0, r1, r2)" in wave_notes(three)
+
+
+def test_panels_of_many_runs_are_side_by_side():
+    """Four and more runs fill a row; of fewer runs the panels are below each other."""
+    peaks = _six_runs()
+    run, first = next(iter(peaks.items()))
+    peaks[run] = dataclasses.replace(first, median=first.largest / 2)
+    upper, lower = draw_peaks(peaks, []).figure.axes
+    assert upper.get_position().y0 == pytest.approx(lower.get_position().y0)
+    assert upper.get_xlabel() == lower.get_xlabel() == "Depth (mm)"
+    few = draw_peaks(dict(list(peaks.items())[:3]), [])
+    upper, lower = few.figure.axes
+    assert upper.get_position().y0 > lower.get_position().y0
+    assert (upper.get_xlabel(), lower.get_xlabel()) == ("", "Depth (mm)")
+
+
+def test_layers_that_the_reflection_hides_are_not_called_awaited():
+    text = PEAK_FORCE_DEPTH.notes(_six_runs())
+    assert "at which the reflection hides the peak of the first wave: 2 (r4), 2 (r5)." in text
+    assert "larger pulse" not in text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import shutil
 
@@ -12,7 +13,7 @@ import granwave as gw
 from granwave.analysis.reports.comparison.comparison import compare_runs
 from granwave.analysis.reports.comparison.figures.axes import show_times_up_to
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.lammps_inputs.run_directory import MARKER
+from granwave.lammps_inputs.run_directory import LOCK_FILE, MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
 from tests.helpers.made_up.synthetic_report import write_run
@@ -29,15 +30,36 @@ def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsy
     words = [str(place / "fcc"), str(killed), str(place / "hcp"), "-o", str(output)]
     assert main(["compare", *words]) == 0
     shown = capsys.readouterr().out
-    assert (
-        "Left out: " in shown and "reached 1.5 ms; the run is not finished (state running)" in shown
-    )
+    assert "Left out: " in shown and "reached 1.5 ms; the run is not finished (killed)" in shown
     assert "Left out: " in output.read_text()
     assert len(gw.compare([place / "fcc", killed, place / "hcp"]).runs) == 2
     assert main(["compare", str(place / "fcc"), str(killed), "-o", str(output)]) == 2
     first, second = capsys.readouterr().err.splitlines()
     assert "is not finished" in first and "resume with  granwave run" in first
     assert "found 1 run with results (fcc), expected two or more to compare" in second
+
+
+def test_a_running_run_is_told_from_a_killed_one(place, tmp_path, capsys):
+    """The lock of the directory is held by its process."""
+    running = tmp_path / "running"
+    running.mkdir()
+    (running / "case.toml").write_bytes((place / "fcc" / "case.toml").read_bytes())
+    (running / "run.json").write_text('{"state": "running", "end_time_s": 0.0015}')
+    with (running / LOCK_FILE).open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        assert main(["report", str(running)]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+    assert "reached 1.5 ms; the run is not finished (still running)" in line
+    assert line.endswith("; wait for its end") and "resume" not in line
+
+
+def test_a_killed_run_with_a_summary_is_named_as_killed(tmp_path):
+    runs = [write_run(tmp_path / name, figures=False) for name in ("whole", "part")]
+    (runs[1] / "run.json").write_text(json.dumps({"state": "running", "attempts": []}))
+    comparison = compare_runs(read_inputs(runs, tmp_path).runs)
+    assert any(
+        note.startswith("Unfinished") and "part (killed" in note for note in comparison.notes
+    )
 
 
 def test_a_run_killed_before_its_first_output_is_resumed(place, tmp_path, capsys):

@@ -16,6 +16,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.bodies import echoes
+from granwave.lammps_inputs.planning.arrival import earliest_passage
 from granwave.workflows import load_case
 from granwave.workflows.run.driver import run_case
 from tests.helpers.made_up.small_cases import BRASS, DIAMETER, PULSE, case_of
@@ -212,14 +213,35 @@ def test_the_same_bits_on_two_ranks_and_after_a_stop(granwave, tmp_path: Path) -
 
 
 def test_a_bar_that_is_too_short_is_told(caplog):
-    load_case("intruder", {"bar.length": 2.0})
+    load_case("intruder", {"bar.length": 1.0})
     assert (
-        "a reflection from the end of the bar can reach the chain after 0.000805 s"
+        "a reflection from the end of the bar can reach the chain after 643 µs, before the end of "
+        "the run at 1 ms"
     ) in caplog.text
     caplog.clear()
     for name in ("intruder", "split-hopkinson", "bar-pulse"):
         load_case(name)
     assert not caplog.text
+
+
+def test_the_wave_passes_the_chain_before_it_enters_the_bar(caplog, tmp_path: Path):
+    """Twice the length over the speed is 241 us, of a run of 400 us; the bar is reached later."""
+    bar = {"length": 0.6, "elements": 200, "area": 28e-6, "material": "aluminium"}
+    case = {
+        "name": "short", "material": "aluminium", "bar": bar, "load": {"velocity": 0.7},
+        "packing": {"kind": "chain", "size": 18, "diameter": 6e-3}, "run": {"end_time": 4e-4},
+    }  # fmt: skip
+    short = case_from_dict(case)
+    assert not caplog.text
+    run_case(short, tmp_path / "run", figures=False)
+    with Result(tmp_path / "run") as result:
+        force = result["walls/bar/force"]
+        front = result["walls/bar/time"][np.argmax(force > 0.1 * force.max())]
+        echo = echoes(result.assembly.bars)["bar"]
+        assert 0.7 * front < earliest_passage(result.assembly) < front
+    assert front + echo > case["run"]["end_time"]
+    case_from_dict(case | {"run": {"end_time": 5e-4}})
+    assert "can reach the chain after 414 µs, before the end of the run at 500 µs" in caplog.text
 
 
 def test_echo_of_a_bar_behind_another():
