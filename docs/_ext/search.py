@@ -72,7 +72,9 @@ WORDS = {
     "howto/python": ("notebook", "pandas", "jupyter", "python", "own axes"),
     "howto/more-questions": ("units", "SI units", "ids of spheres", "error of the results"),
     "howto/cite": ("cite", "licence", "license", "BibTeX"),
-    "howto/own-lammps": ("MPI", "OpenMPI", "ranks", "two ranks", "np", "number of cores", "own LAMMPS"),
+    "howto/own-lammps": (
+        "MPI", "OpenMPI", "ranks", "two ranks", "np", "number of cores", "own LAMMPS",
+    ),
     "extensions/continuum/fit-a-law": ("measured force", "force-displacement"),
     "howto/balance": ("energy conservation",),
     "tutorials/cluster": ("cluster", "Slurm", "submit", "HPC", "scheduler"),
