@@ -20,6 +20,7 @@ from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.found_contacts import with_contacts
 from granwave.lammps_inputs.packing.places import centred
+from granwave.lammps_inputs.planning.bar_echoes import echo_warnings
 from granwave.lammps_inputs.statics.stiffening import rearranged_bed, stiffened_bed
 
 
@@ -88,7 +89,7 @@ def assembly_from_dict(
     if stiffened is not None:
         errors.notes.append(stiffened.note)
         assembly = _checked(stiffened.case_of(assembly.case), errors)
-    warn_about(assembly)
+    warn_about(assembly, echo_warnings(assembly))
     return assembly
 
 

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotParams
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.fitted_legends import fit_legend, narrow_above
@@ -117,23 +118,21 @@ class UserFigure:
         """Draw the legend of the figure in its first panel."""
         self._panels[0].legend(*artists, **options)
 
-    def supxlabel(self, text: str, **options: Any) -> None:
+    def supxlabel(self, text: str, **options: Any) -> Text:
         """Label the horizontal axes of all panels, or of the last panel in a figure with other
         axes.
         """
         if self._before:
-            self._panels[-1].set_xlabel(text, **options)
-        else:
-            self._figure.supxlabel(text, **options)
+            return self._panels[-1].set_xlabel(text, **options)
+        return self._figure.supxlabel(text, **options)
 
-    def supylabel(self, text: str, **options: Any) -> None:
+    def supylabel(self, text: str, **options: Any) -> Text:
         """Label the vertical axes of all panels, or of the first panel in a figure with other
         axes.
         """
         if self._before:
-            self._panels[0].set_ylabel(text, **options)
-        else:
-            self._figure.supylabel(text, **options)
+            return self._panels[0].set_ylabel(text, **options)
+        return self._figure.supylabel(text, **options)
 
     def findobj(self, match: Any = None, include_self: bool = True) -> list[Any]:
         """Return the artists of the panels."""
@@ -207,8 +206,12 @@ def plots_of(figure: Figure | UserFigure) -> list[Axes]:
     return [axes for axes in figure.axes if axes.get_label() != _COLOUR_BAR]
 
 
+#: Label of titles of ours, which get the text sizes of the user in his axes.
+SCALED_TEXT = "title of granwave"
+
+
 def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
-    """Give second axes and colour bars the text sizes of the first panel of the user.
+    """Give second axes, colour bars and titles the text sizes of the first panel of the user.
 
     Parameters
     ----------
@@ -217,6 +220,9 @@ def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
     """
     label = panels[0].xaxis.label.get_fontsize()
     ticks = panels[0].xaxis.get_ticklabels()
+    for title in [*(axes.title for axes in panels), *figure.texts]:
+        if title.get_label() == SCALED_TEXT:
+            title.set_fontsize(label)
     for axes in figure.axes:
         if axes in panels:
             continue

@@ -196,8 +196,8 @@ def symbols_note(inputs: ReportInputs, uses: Callable[[str], bool] | None = None
 
 
 def _of_material(cases: Sequence[Mapping[str, Any]]) -> str:
-    """Return the material of the contacts whose constants are given, if a packing has several; empty
-    otherwise.
+    """Return the material of the contacts whose constants are given, if a packing has several;
+    empty otherwise.
     """
     if all(len(_names_of_materials(case)) <= 1 for case in cases):
         return ""

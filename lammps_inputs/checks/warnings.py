@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from granwave._contact_laws import FE_RANGE
-from granwave.lammps_inputs.case.boundary import time_label
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact.contact import (
     FITTED_POISSON_RATIO,
@@ -26,12 +25,10 @@ from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.case.packing.values import Enclosure
 from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.bodies import BAR, echoes
 from granwave.lammps_inputs.packing.box_walls import BoxWall, box_walls
 from granwave.lammps_inputs.packing.motion import own_spins
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import untouched
-from granwave.lammps_inputs.planning.arrival import earliest_passage
 
 _BOTTOM = "bottom"
 _KEYS_OF_WALLS = ("x", "y", _BOTTOM)  # keys of walls by axis
@@ -41,9 +38,15 @@ _OTHER_UNITS = 100.0  # ratio of densities above which their units are probably 
 _SMALL_GAP = 1e-3  # diameters; gaps caused by plastic indentation are larger
 
 
-def warn_about(assembly: Assembly) -> None:
-    """Log warnings about values that are valid but may not be meant."""
-    for text in case_warnings(assembly):
+def warn_about(assembly: Assembly, planned: Iterable[str] = ()) -> None:
+    """Log warnings about values that are valid but may not be meant.
+
+    Parameters
+    ----------
+    planned
+        Warnings that follow from the plan of the run.
+    """
+    for text in [*case_warnings(assembly), *planned]:
         _LOG.warning("%s: %s", assembly.case.name, text)
 
 
@@ -55,7 +58,6 @@ def case_warnings(assembly: Assembly) -> list[str]:
         *_of_materials(assembly),
         *_of_bodies(assembly),
         *_of_probes(assembly),
-        *_of_echoes(assembly),
         *_of_initial_dents(assembly),
         *_of_times(assembly),
         *_of_cut_contacts(assembly),
@@ -155,25 +157,6 @@ def _touch_at_start(assembly: Assembly, contact: tuple[int, int]) -> bool:
     if high > assembly.lattice.n_spheres:
         return (low, high) in assembly.striker_contacts
     return high in assembly.lattice.neighbours(low)
-
-
-def _of_echoes(assembly: Assembly) -> Iterator[str]:
-    """Warn of bars whose end reflects waves back into the chain during the run."""
-    if not assembly.bars:
-        return
-    end = assembly.case.run.longest
-    loaded = assembly.case.load.first_time
-    passage = earliest_passage(assembly)
-    for name, echo in echoes(assembly.bars).items():
-        earliest = loaded + echo
-        if name == BAR:
-            earliest += passage
-        if end > earliest:
-            yield (
-                f"a reflection from the end of the {name} can reach the chain after "
-                f"{time_label(earliest)}, before the end of the run at {time_label(end)}: use a longer bar, "
-                "or a shorter run"
-            )
 
 
 def _of_initial_dents(assembly: Assembly) -> Iterator[str]:

@@ -35,6 +35,7 @@ from granwave.lammps_inputs.directories import (
 from granwave.lammps_inputs.errors import GranwaveError, RunError
 from granwave.lammps_inputs.packing.assembly import Assembly, of_case
 from granwave.lammps_inputs.packing.motion import written_in_parts
+from granwave.lammps_inputs.planning.bar_echoes import echo_warnings
 from granwave.lammps_inputs.planning.blocks import BLOCK_THRESHOLD
 from granwave.lammps_inputs.planning.cost import analysing_ranks
 from granwave.lammps_inputs.planning.plan import plan
@@ -217,7 +218,7 @@ class _Run:
 
     def _plan(self) -> float:
         """Keep the warnings about the case, and return the disk space to be kept free, bytes."""
-        self.warnings += case_warnings(self.assembly)
+        self.warnings += [*case_warnings(self.assembly), *echo_warnings(self.assembly)]
         with keeping_warnings((self.case.name, self.label), self.warnings):
             return plan(self.assembly).disk_reserve
 

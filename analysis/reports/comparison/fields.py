@@ -28,6 +28,7 @@ from granwave.analysis.figures.style import (
     new_figure,
     trim_height,
 )
+from granwave.analysis.figures.user_axes import SCALED_TEXT
 from granwave.analysis.measures.dynamic_force import dynamic_peak_forces, has_static_forces
 from granwave.analysis.measures.geometry import SpheresOnPlane
 from granwave.analysis.measures.signals import Array
@@ -136,7 +137,7 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
         colouring = Colouring(field.force, title, "peak_force_N", FORCE_MAP, low, high)
         draw_discs(axes, field.cut, field.force, colouring, field.radius, sticks=field.sticks)
         frame_axes(axes, window)
-        axes.set_title(run.label, pad=2, fontsize=7)
+        axes.set_title(run.label, pad=2, fontsize=7).set_label(SCALED_TEXT)
         columns |= _columns(run, field, "peak_force_N", field.force)
     forces = np.concatenate([fields[run].force for run in runs])
     colour_bar(figure, panels, colouring, forces, location="top")
@@ -191,7 +192,7 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
     for axes, (run, change) in zip(panels, changes.items(), strict=True):
         _draw_changes(axes, first, change, norm)
         frame_axes(axes, window)
-        axes.set_title(run.label, pad=2, fontsize=7)
+        axes.set_title(run.label, pad=2, fontsize=7).set_label(SCALED_TEXT)
         columns |= _columns(run, first, "peak_force_difference_N", change)
     mappable = ScalarMappable(norm, colormaps[BOTH_SIDES_MAP])
     bar = figure.colorbar(mappable, ax=panels, location="top", aspect=28, shrink=0.9)
@@ -305,8 +306,11 @@ def _panels(
     grid = figure.subplots(rows, across, sharex=shared, sharey=shared, squeeze=False)
     for empty in grid.flat[number:]:
         empty.set_visible(False)
-    figure.supxlabel("Distance from the impact axis (mm)", fontsize=_FONT)
-    figure.supylabel(depth_label, fontsize=_FONT)
+    for title in (
+        figure.supxlabel("Distance from the impact axis (mm)", fontsize=_FONT),
+        figure.supylabel(depth_label, fontsize=_FONT),
+    ):
+        title.set_label(SCALED_TEXT)
     return figure, list(grid.flat[:number])
 
 

@@ -70,10 +70,10 @@ def _wall_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
         place = int(at_walls.y.argmax())
         if at_walls.y[place] >= _MUCH:
             depth = quantity_in(float(at_walls.x[place]), "m")
-            texts.append(f"{100 * at_walls.y[place]:.2g} % at {depth} in {run.label}")
+            texts.append(f"{100 * at_walls.y[place]:.3g} % at {depth} in {run.label}")
     if not texts:
         return ""
-    return f"The contacts of a layer with walls are included ({', '.join(texts)})."
+    return f"The contacts of a layer with walls are included ({'; '.join(texts)})."
 
 
 def _positive(curves: Mapping[ComparedRun, SampledCurve]) -> Array:

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import granwave as gw
 from granwave.analysis.reports.comparison.curves import energy_shares
@@ -44,7 +45,7 @@ def test_caption_of_dissipation_by_layer_gives_the_part_at_walls(place):
         whole = result["spheres/dissipated_energy"][result.rows(last)].sum()
     assert at_wall > 0.1 * whole
     assert "The contacts of a layer with walls are included (" in caption
-    assert f"{100 * at_wall / whole:.2g} % at " in caption and "in fcc" in caption
+    assert f"{100 * at_wall / whole:.3g} % at " in caption and "in fcc" in caption
 
 
 def test_values_are_those_of_the_summaries(place):
@@ -165,3 +166,13 @@ def test_in_python(place):
     with pytest.raises(InputError, match="quantities: found nothing"):
         gw.compare(runs, quantities=["nothing"])
     assert "packing.kind" in repr(whole) and "<table" in whole._repr_html_()
+
+
+def test_titles_of_sections_in_own_axes_have_the_size_of_the_user(place):
+    """Titles of the runs, and the common titles of the axes."""
+    figure, axes = pyplot.subplots(1, 2, layout="constrained")
+    gw.compare([place / "fcc", place / "hcp"]).figure("peak_force_field", ax=list(axes))
+    size = axes[0].xaxis.label.get_fontsize()
+    texts = [*(one.title for one in axes), *figure.texts]
+    assert {text.get_fontsize() for text in texts} == {size}
+    pyplot.close(figure)
