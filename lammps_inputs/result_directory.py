@@ -252,8 +252,8 @@ class ResultDirectory(OwnFiles):
         shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
         raise InputError(
             f"{path}: was changed after the run: {shown}. The results belong to the case that was "
-            "run: run the changed case in another directory, or delete it and restore the "
-            f"original with  granwave analyse {self.path}"
+            "run. Run the edited case with -o OTHER, or delete case.toml and restore it with  "
+            f"granwave analyse {self.path}"
         )
 
     def restore_case(self) -> bool:

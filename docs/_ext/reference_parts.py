@@ -100,9 +100,29 @@ def _sentence(text: str) -> str:
     return f"{_escape(text[:1].upper() + text[1:])}."
 
 
+#: Formulas of the meanings of values, as the terminal prints them, and in LaTeX.
+FORMULAS = {
+    "(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v": (
+        r"\frac{2}{\sqrt{3}} \left(\frac{2}{1.6\,\pi}\right)^2 "
+        r"\frac{E^{*2} \sqrt{\rho}}{\sigma_\mathrm{y}^{2.5}}\, v"
+    ),
+    "F_y alpha_y": r"F_\mathrm{y} \alpha_\mathrm{y}",
+    "sigma_y^2 D^3/E": r"\sigma_\mathrm{y}^2 D^3 / E",
+    "1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2": (r"1/E^* = (1 - \nu_1^2)/E_1 + (1 - \nu_2^2)/E_2"),
+}
+
+
 def _escape(text: str) -> str:
     """Escape characters with a meaning in Markdown."""
     return re.sub(r"([\[\]{}*_<>|$`])", r"\\\1", text)
+
+
+def _typeset(text: str) -> str:
+    """Return a text in Markdown, with its formulas as mathematics."""
+    text = _escape(text)
+    for plain, formula in FORMULAS.items():
+        text = text.replace(_escape(plain), f"${formula}$")
+    return text
 
 
 def quantities() -> str:
@@ -127,13 +147,13 @@ def _table_of(shown: Sequence[Quantity], *, searched: bool = False) -> str:
     """
     rows = []
     for entry in shown:
-        what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
+        what = _typeset(" ".join(filter(None, [entry.meaning, entry.note])))
         name = f"`{entry.name}`"
         if searched and "*" not in entry.name:
             anchor = entry.name.replace("_", "-").lower()
             name = f"{_indexed(entry.name, anchor)}[{name}]{{#{anchor}}}"
-        rows.append(f"| {name} | {printed_unit(entry.unit)} | {_escape(what)} |")
-    return "\n".join(["| value | unit | meaning |", "|---|---|---|", *rows])
+        rows.append(f"| {name} | {printed_unit(entry.unit)} | {_escape(entry.label)} | {what} |")
+    return "\n".join(["| value | unit | label | meaning |", "|---|---|---|---|", *rows])
 
 
 def commands() -> str:

@@ -51,12 +51,13 @@ WORDS = {
     "howto/packing-size": ("packing too small", "size of the packing"),
     "howto/compare": ("compare", "compare two runs"),
     "explanation/plastic-zone": ("zone depth",),
+    "explanation/comparing": ("truncated values", "decay of the peak force"),
     "explanation/energy": ("energy_balance",),
     "howto/contact-figures": ("arrival time",),
     "howto/boundaries": ("periodic", "boundary conditions", "free surface", "hopper"),
     "howto/contact-laws": ("glass beads", "ceramic beads", "elastic contacts", "Hertz law"),
     "howto/stop-and-resume": ("restart", "restart a run", "resume", "checkpoint"),
-    "howto/other-programs": ("OVITO", "ParaView", "VTK", "dump", "MDAnalysis", "export"),
+    "howto/other-programs": ("OVITO", "ParaView", "VTK", "dump", "MDAnalysis", "export", "csv"),
     "extensions/pictures/films": (
         "movie", "animation", "video", "colour map", "picture for a paper", "section plane",
     ),
@@ -71,7 +72,9 @@ WORDS = {
     "howto/python": ("notebook", "pandas", "jupyter", "python", "own axes"),
     "howto/more-questions": ("units", "SI units", "ids of spheres", "error of the results"),
     "howto/cite": ("cite", "licence", "license", "BibTeX"),
-    "howto/own-lammps": ("MPI", "OpenMPI", "ranks", "np", "number of cores", "own LAMMPS"),
+    "howto/own-lammps": (
+        "MPI", "OpenMPI", "ranks", "two ranks", "np", "number of cores", "own LAMMPS",
+    ),
     "extensions/continuum/fit-a-law": ("measured force", "force-displacement"),
     "howto/balance": ("energy conservation",),
     "tutorials/cluster": ("cluster", "Slurm", "submit", "HPC", "scheduler"),
@@ -97,6 +100,7 @@ WORDS = {
     "explanation/timestep": ("timestep", "time step"),
     "explanation/limits": (
         "GPU", "cohesion", "bullet", "ballistic", "fracture", "adhesion", "Windows",
+        "limits of the law",
     ),
     "explanation/speed": ("benchmark", "performance"),
     "explanation/results": (

@@ -341,7 +341,8 @@ class Boundary:
         otherwise=schema.TablesType(
             expected="{material = ...} for a wall of a material; or {plate = ...}, {damper = "
             "...}, {half_space = ...} or {bar = ...} for a support that moves (see the "
-            "tables [boundary.bottom.plate] and so on)",
+            "tables [boundary.bottom.plate] and so on); to absorb the wave, use the table "
+            "[[absorb]]",
             inner={"material": MATERIAL} | _tables_of(SUPPORTS),
         ),
     )

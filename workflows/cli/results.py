@@ -121,10 +121,10 @@ def _names_of_figures(options: argparse.Namespace) -> tuple[str, ...] | None:
     names = (*options.names, *(options.only or ()))
     unknown = [name for name in names if name not in figure_names()]
     if unknown:
-        expected = f", expected some of {', '.join(figure_names())}"
+        expected = f"; expected one or more of {', '.join(figure_names())}"
         hint = did_you_mean(unknown[0], figure_names()) or expected
         where = "--only: " if unknown[0] in (options.only or ()) else ""
-        raise InputError(f"{where}found {unknown[0]}{hint}")
+        raise InputError(f"{where}unknown figure {unknown[0]}{hint}")
     if names and options.all:
         raise InputError("--all: draws all figures; remove it, or the names of figures")
     return tuple(dict.fromkeys(names)) or None

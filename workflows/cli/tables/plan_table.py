@@ -147,7 +147,8 @@ def _schedule_rows(plan: Plan, values: Mapping[str, Any]) -> Rows:
     yield "snapshots", f"{at_most}{schedule.n_frames}"
     if (arrival := values["expected_arrival_s"]) is not None:
         before = values["n_frames_before_arrival"]
-        some = f"; {before} snapshots are taken earlier" if arrival < schedule.end_time else ""
+        some = f"; {before} of {schedule.n_frames} snapshots are before this time"
+        some = some if arrival < schedule.end_time else ""
         yield "wave at the bottom", f"after about {arrival:.3g} s{some}"
 
 

@@ -306,9 +306,8 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     if not later:
         return f"Largest forces {' and '.join(parts)}."
     return (
-        f"Largest forces {' and '.join(parts)}. Markers without a line (not fitted): the force of "
-        "the layer was largest after a reflection from the base may have arrived; number of "
-        f"layers: {later}."
+        f"Largest forces {' and '.join(parts)}. Markers without a line: layers whose largest force "
+        f"may include a reflection; number of layers: {later}. They are not fitted."
     )
 
 
