@@ -12,9 +12,9 @@ late in bcc.
 Under a static load small waves travel at the speed of long waves, see
 `granwave.lammps_inputs.contact.travel_time`.
 
-In a chain in front of a bar, a wave is at most as fast as a solitary wave of the largest overlap that
-the load can cause between any two beads, and under a static load at most as fast as a long wave of
-this overlap; its front is two beads ahead of its peak.
+In a chain in front of a bar, a wave is at most as fast as a solitary wave of the largest overlap
+that the load can cause between any two beads, and under a static load at most as fast as a long
+wave of this overlap; its front is two beads ahead of its peak.
 """
 
 from __future__ import annotations

@@ -24,6 +24,6 @@ def echo_warnings(assembly: Assembly) -> Iterator[str]:
         if end > earliest:
             yield (
                 f"a reflection from the end of the {name} can reach the chain after "
-                f"{time_label(earliest)}, before the end of the run at {time_label(end)}: use a longer bar, "
-                "or a shorter run"
+                f"{time_label(earliest)}, before the end of the run at {time_label(end)}: use a "
+                "longer bar, or a shorter run"
             )

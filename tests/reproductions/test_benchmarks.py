@@ -151,26 +151,15 @@ def test_the_largest_difference_is_beside_the_claim(tmp_path: Path) -> None:
     assert row(
         study, "Deviation of finite elements from the law at 3 alpha_y, brass, equal"
     ).ours == pytest.approx(15)
-    worst = row(
-        study,
-        "Deviation of finite elements from the law from 1 to 10 alpha_y: largest, brass, equal radii",
-    )
+    start = "Deviation of finite elements from the law from"
+    worst = row(study, f"{start} 1 to 10 alpha_y: largest, brass, equal radii")
     assert (worst.source, worst.ours) == (6, pytest.approx(15))
     for name, claim, ours in (("equal radii", -6, -5), ("radii 2 to 1", None, -14)):
-        least = row(
-            study,
-            f"Deviation of finite elements from the law from 10 alpha_y to 0.2 R*: smallest, brass, {name}",
-        )
+        least = row(study, f"{start} 10 alpha_y to 0.2 R*: smallest, brass, {name}")
         assert (least.source, least.ours) == (claim, pytest.approx(ours)), (
             "the source states its error for identical spheres"
         )
-    assert (
-        row(
-            study,
-            "Deviation of finite elements from the law from 1 to 10 alpha_y: largest, brass and steel",
-        ).source
-        is None
-    )
+    assert row(study, f"{start} 1 to 10 alpha_y: largest, brass and steel").source is None
     deep = row(study, "Finite elements at 0.19 R*, brass, radii 2 to 1")
     assert deep.ours == pytest.approx(100 * (0.86 / 0.95 - 1)) and deep.source is None
     assert row(study, "Smallest unloading exponent, brass, equal radii").source == 1.3

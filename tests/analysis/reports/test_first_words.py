@@ -278,7 +278,8 @@ def test_symbols_that_no_table_or_figure_uses_are_not_defined(tmp_path):
          "chain of 2, ptfe, 10 mm, 5 m/s, some spheres replaced"),
         ({"boundary.bottom": {"plate": {"mass": 0.5}, "material": {"name": "steel"}}},
          "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, on a steel plate of 0.5 kg, ideal"),
-        ({"boundary.sides": "periodic"}, "fcc 24 × 24 × 12, periodic sides, brass, 10 mm, 5 m/s, ideal"),
+        ({"boundary.sides": "periodic"},
+         "fcc 24 × 24 × 12, periodic sides, brass, 10 mm, 5 m/s, ideal"),
         ({"boundary.sides": "free"}, "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, ideal"),
     ],
 )  # fmt: skip

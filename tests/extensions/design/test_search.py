@@ -125,7 +125,7 @@ def test_importance_names_the_variable_that_matters():
 
 
 def test_importance_of_effects_that_add():
-    """Large values with a small variance; the fractions of x.0 and x.1 are equal, their sum is 1."""
+    """Large values with a small variance; the fractions of x.0 and x.1 are equal: their sum is 1."""
     known = search(RANGES, lambda values: 20 + values["x.0"] + values["x.1"], 20, 1)
     shares = importance(RANGES, known)
     assert sum(shares.values()) <= 1 + 1e-12
