@@ -95,6 +95,7 @@ _SENTENCES = (
     "The plate {plate}.",
     "None of the input energy of {kept} was dissipated.",
     "{n_loaded_contacts} of {n_contacts} contacts were loaded.",
+    "{new_contacts} contacts were loaded.",
 )
 _ALONG_LINE = "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}."
 _ONE_DECAY = "Its peak speed decays by {{line_{0}_decay_per_m}}."
@@ -448,6 +449,11 @@ def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
     """
     if run.summary.get("n_contacts") == 0 and has_no_pairs(run.summary):
         values.pop("n_contacts", None)
+    n_start = run.number("n_contacts") or 0.0
+    if (run.number("n_loaded_contacts") or 0.0) > n_start and "n_contacts" in values:
+        # some of these contacts were open at the start
+        values.pop("n_contacts")
+        values["new_contacts"] = values["n_loaded_contacts"]
     if _is_precompressed(run) and ("between_spheres" in values or "peak_force_N" in values):
         values["static"] = "include the static force"
 

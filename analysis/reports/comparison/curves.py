@@ -292,8 +292,7 @@ def dissipation_at_walls(run: ComparedRun) -> SampledCurve:
         at_walls = np.zeros(len(mean))
         if "wall_contacts" in result:
             of_contact = layer[result.rows(result["wall_contacts/id"])]
-            at_wall = result["wall_contacts/dissipated_energy"]
-            at_walls = np.bincount(of_contact, at_wall, minlength=len(mean))
+            np.add.at(at_walls, of_contact, result["wall_contacts/dissipated_energy"])
     return SampledCurve(mean, np.divide(at_walls, lost, out=np.zeros(len(mean)), where=lost > 0))
 
 

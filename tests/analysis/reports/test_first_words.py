@@ -98,6 +98,14 @@ def test_a_target_comes_first():
     assert in_words(on_a_wall) == "The peak force on the bottom was 10 N."
 
 
+def test_contacts_that_were_open_at_the_start():
+    """With scattered diameters hardly any spheres touch at the start."""
+    run = run_with({}, n_contacts=0, n_loaded_contacts=136)
+    assert "136 contacts were loaded." in in_words(run)
+    run = run_with({}, n_contacts=150, n_loaded_contacts=136)
+    assert "136 of 150 contacts were loaded." in in_words(run)
+
+
 CONTACT_DEPTHS = 0.005 + 0.01 * np.arange(8)
 
 
