@@ -156,8 +156,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("amplitude_sweep", driven.amplitude_sweep, "Response of the chain against the load amplitude",
      "A jump, or separate curves, shows two states of the chain at one amplitude."),
     ("bars", chains.bars, "Bars: contact force and energy",
-     "Each peak is a pulse at the contact with the chain. A pulse in a bar returns from the far "
-     "end after twice its length divided by its wave speed; other peaks come from the chain."),
+     "A pulse in a bar returns from the far end after twice its length divided by its wave speed; "
+     "other peaks come from the chain."),
     ("sensors", chains.sensors, "Sensors",
      "The delay between curves gives the wave speed, and the height of the peaks gives the decay."),
     ("line_speeds", lines.line_speeds, "Speeds along lines of grains",
@@ -179,9 +179,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "1e-4 of the largest are left out."),
     ("line_diagram", lines.line_diagram,
      "Speed of a line of grains in space and time, with the front",
-     "The circles are the front. White: slower than one thousandth of the largest speed before the "
-     "front arrives. Each snapshot has a row of colours: with few snapshots their lower edge is "
-     "up to one interval away from the front."),
+     "Circles: the front. White: below 0.1 % of the largest speed, before the front. Colours are "
+     "as fine as the snapshots."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
      "Delays give the speed, peaks the decay. If the peaks differ much, each curve is divided by "
      "its peak in the legend."),

@@ -177,7 +177,7 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> Non
     measured = [
         pair
         for pair in zip(before, after, strict=True)
-        if pair[0].quantity.startswith("Finite elements /")
+        if pair[0].quantity.startswith("Deviation of finite elements")
     ]
     assert len(measured) == 6
     for first, second in measured:

@@ -126,9 +126,11 @@ def test_report_names_both(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def packing_and_blocks(tmp_path_factory):
-    """A small packing, and blocks with an unresolved and a resolved zone."""
+    """A small packing until its dissipation has ended, and blocks with an unresolved and a resolved
+    zone.
+    """
     place = tmp_path_factory.mktemp("both")
-    grains = load_case(find("fcc-small"), ["packing.size=[8,8,4]", "run.end_time=1e-4"])
+    grains = load_case(find("fcc-small"), ["packing.size=[8,8,4]", "run.end_time=1e-3"])
     run_case(grains, place / "grains")
     run_continuum(ContinuumCase.from_dict(LIGHT), place / "light", figures=False)
     heavy = LIGHT | {"name": "heavy", "punch": {"mass": 0.1, "velocity": 12.0}}
@@ -157,15 +159,16 @@ def test_comparison_has_no_ratio_of_an_unresolved_zone(packing_and_blocks, monke
     monkeypatch.chdir(packing_and_blocks)
     assert main(["compare", "grains", "light"]) == 0
     text = capfd.readouterr().out
-    first, *_ = text.splitlines()
-    assert "dissipated fraction" in first and " ± " in first and "ratio" not in first
+    first = next(line for line in text.splitlines() if "dissipated fraction" in line)
+    assert " ± " in first and "ratio" not in first
     (row,) = [line for line in text.splitlines() if line.startswith("dissipated_fraction ")]
     assert " ± " in row and row.endswith("not resolved")
     assert "The plastic zone of light is not resolved" in text
     assert "artificial viscosity dissipates" in text
     assert main(["compare", "grains", "heavy"]) == 0
     text = capfd.readouterr().out
-    assert "not resolved" not in text and "a ratio of" in text.splitlines()[0]
+    first = next(line for line in text.splitlines() if "dissipated fraction" in line)
+    assert "not resolved" not in text and "a ratio of" in first
 
 
 def test_fractions_within_their_uncertainties_do_not_differ():

@@ -103,11 +103,13 @@ def test_means_and_a_sentence(tmp_path):
 
 
 def test_means_within_their_intervals_have_no_trend(tmp_path):
-    """A difference of 0.3 is less than the combined interval, 0.35."""
+    """A difference of 0.3 is less than the combined interval, 0.35; the sentence is on the force,
+    which differs by more.
+    """
     points = grid(load__velocity=[1, 2], packing__seed=[1, 2, 3])
     text = end_of(tmp_path, points, lambda p: 0.3 * p["load.velocity"] + 0.1 * p["packing.seed"])
-    ends = "from 0.50 ± 0.25 (impact velocity 1 m/s) to 0.80 ± 0.25 (impact velocity 2 m/s)"
-    assert ends in text and "It rises" not in text
+    assert "Dissipated fraction: from" not in text
+    assert "Peak contact force, excluding walls: from" in text
 
 
 def test_the_force_on_the_bottom_is_in_the_table_of_means(tmp_path):
