@@ -179,8 +179,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "1e-4 of the largest are left out."),
     ("line_diagram", lines.line_diagram,
      "Speed of a line of grains in space and time, with the front",
-     "Circles: the front. White: below 0.1 % of the largest speed, before the front. Colours are "
-     "as fine as the snapshots."),
+     "Circles: the front. White: slower than one thousandth of the largest speed before it. "
+     "Colours are as fine as the snapshots."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
      "Delays give the speed, peaks the decay. If the peaks differ much, each curve is divided by "
      "its peak in the legend."),
