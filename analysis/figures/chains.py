@@ -30,7 +30,7 @@ from granwave.analysis.figures.style import (
     legend_above,
 )
 from granwave.analysis.formatting.numbers import instant, quantity_in
-from granwave.analysis.measures.force_decay import BEFORE_END
+from granwave.analysis.measures.dynamic_force import BEFORE_END
 from granwave.analysis.measures.leading_wave import FirstWave, first_wave, known_peaks
 from granwave.analysis.measures.lines import sensor_forces
 from granwave.analysis.measures.signals import maxima

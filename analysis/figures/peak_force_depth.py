@@ -17,14 +17,13 @@ from granwave.analysis.measures.beads import beads_on_axis
 from granwave.analysis.measures.dynamic_force import has_static_forces
 from granwave.analysis.measures.force_decay import (
     ForceDecay,
-    LayerPeaks,
     PowerDecay,
     accepted,
     both_decays,
-    layer_peaks,
     reason_against,
 )
 from granwave.analysis.measures.impact import peak_force_by_depth, rays
+from granwave.analysis.measures.layer_peaks import LayerPeaks, layer_peaks
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 

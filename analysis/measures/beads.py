@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.dynamic_force import BEFORE_END
+from granwave.analysis.measures.leading_wave import REACHED
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import wave_speed
 from granwave.analysis.result.reader import Result
@@ -17,8 +19,6 @@ from granwave.lammps_inputs.case.added_grains import has_added_to_chain
 
 _ON_AXIS = 1e-6  # distance over the nominal diameter, of grains on the axis
 _FEWEST = 2  # fewest beads with a contact
-_REACHED = 1e-3  # fraction of the largest rise: contacts that the wave has reached
-_BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
 
 
 def beads_on_axis(result: Result) -> NDArray[np.bool_] | None:
@@ -50,7 +50,7 @@ def bead_peaks(result: Result) -> Array:
     if result.case.precompression is not None:
         peak = peak - result.of_pairs("initial_force", above, below)
     when = result.of_pairs("time_peak", above, below)
-    is_complete = when < _BEFORE_END * float(result["energy/time"][-1])
+    is_complete = when < BEFORE_END * float(result["energy/time"][-1])
     return np.where(depth > 0, np.where(is_complete, peak, np.nan), 0.0)
 
 
@@ -72,7 +72,7 @@ def crest_speed(result: Result) -> float | None:
         return None
     peaks = np.nan_to_num(bead_peaks(result))
     above, below, depth = _pairs(result, is_bead)
-    is_reached = peaks > _REACHED * peaks.max(initial=0.0)
+    is_reached = peaks > REACHED * peaks.max(initial=0.0)
     when = np.where(is_reached, result.of_pairs("time_peak", above, below), np.inf)
     return wave_speed(depth, when, result.case.packing.diameter)
 

@@ -12,6 +12,8 @@ from granwave.analysis.result.reader import Result
 
 _STATIC = "contacts/initial_force"
 
+BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
+
 
 def has_static_forces(result: Result) -> bool:
     """Return True if contacts carried a static force before the load."""

@@ -37,7 +37,7 @@ from granwave.analysis.result.reader import Result
 _LEAD = 5  # beads, including the impacted one, in which the wave takes its shape
 _FEWEST_BEADS = 4  # fewest beads of a speed
 SAME_PEAK = 0.01  # a pulse that is larger by this fraction of the peak is larger
-_REACHED = 1e-3  # fraction of the largest rise of all: the wave has reached the contact
+REACHED = 1e-3  # fraction of the largest rise of all: the wave has reached the contact
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def _awaits_larger_pulse(time: Array, rise: Array) -> NDArray[np.bool_]:
 
 def _reflection_start(result: Result, time: Array, rise: Array) -> float | None:
     """Return the time at which the wave arrives at the end of the chain, s; None: never."""
-    least = _REACHED * float(rise.max(initial=0.0))
+    least = REACHED * float(rise.max(initial=0.0))
     target = reached(result)
     if target is not None:
         return target.arrival if target.dynamic_peak_force > least else None

@@ -23,9 +23,9 @@ if TYPE_CHECKING:  # loads h5py, which `granwave check` does without
 
 #: Fraction of the momentum of an impact: as long as the impulse on the bottom is smaller, a later
 #: pulse may be larger than the pulses so far.
+_MOST_MOMENTUM = 0.8
 _PERCENT = 100.0
 _TENTHS = 10.0
-_MOST_MOMENTUM = 0.8
 _LAST_PART = 0.1  # fraction of the record in which an impulse may still grow ...
 _GROWTH = 0.01  # ... by more than this fraction of its value
 _LEAST_RECORDS = 2

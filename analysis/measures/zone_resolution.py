@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from granwave.analysis.formatting.numbers import interval
+from granwave.analysis.measures.incomplete_values import DISSIPATED_FRACTION
 
 RESOLVED = "zone_resolved"  # False if the zone has too few parts
-FRACTION = "dissipated_fraction"
 ERROR = "dissipated_fraction_error"  # uncertainty of this fraction
 _ENERGY = "energy_dissipated_J"
 _INPUT = "energy_input_J"
@@ -25,10 +25,10 @@ def is_unresolved(summary: Mapping[str, Any]) -> bool:
 def error_of(name: str, summary: Mapping[str, Any]) -> float | None:
     """Return the uncertainty of the dissipated fraction or energy if it is large, else None."""
     error = summary.get(ERROR)
-    fraction = summary.get(FRACTION)
+    fraction = summary.get(DISSIPATED_FRACTION)
     if not error or not fraction or error <= _NOTED * fraction:
         return None
-    if name == FRACTION:
+    if name == DISSIPATED_FRACTION:
         return float(error)
     energy = summary.get(_INPUT)
     return float(error * energy) if name == _ENERGY and energy else None

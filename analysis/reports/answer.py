@@ -321,10 +321,10 @@ def in_words(run: ReportRun) -> str:
         return run.kind.in_words(run)
     summary = run.summary
     values = printed(run.summary)
-    lost = run.number("dissipated_fraction")
+    lost = run.number(DISSIPATED_FRACTION)
     absorbed = run.number("absorbed_fraction") or 0.0
     if lost:
-        error = error_of("dissipated_fraction", summary)
+        error = error_of(DISSIPATED_FRACTION, summary)
         values["lost"] = percent_with_error(lost, error) if error else share(lost - absorbed)
     elif lost == 0:
         values["kept"] = values["energy_input_J"]

@@ -7,12 +7,11 @@ from numpy.typing import NDArray
 
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.beads import bead_contact_depths, bead_peaks
-from granwave.analysis.measures.leading_wave import FirstWave, first_wave
+from granwave.analysis.measures.leading_wave import REACHED, FirstWave, first_wave
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import GranwaveError
 
-_REACHED = 1e-3  # fraction of the largest peak force: contacts that the wave has reached
 _SAME_FORCE = 1e-3  # relative difference of forces that are constant along a chain
 _FEWEST_LEVEL = 4  # fewest contacts at the end of a course with a constant force
 _FEWEST_CONTACTS = 2  # fewest contacts of a course
@@ -50,7 +49,7 @@ def course_in_words(wave: FirstWave, depth: NDArray[np.float64]) -> str:
         Depths of the contacts below the impacted bead: (n_contacts,), m.
     """
     peak = np.where(wave.is_known, wave.peak, 0.0)
-    known = np.flatnonzero(peak > _REACHED * peak.max(initial=0.0))
+    known = np.flatnonzero(peak > REACHED * peak.max(initial=0.0))
     if len(known) < _FEWEST_CONTACTS:
         return _why_unknown(wave)
     course = _course(peak[known], known + 1)

@@ -12,14 +12,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.force_decay import (
-    ForceDecay,
-    PowerDecay,
-    both_decays,
-    layer_peaks,
-)
+from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, both_decays
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
+from granwave.analysis.measures.layer_peaks import layer_peaks
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import Reached, reached
 from granwave.analysis.measures.waves import front_arrivals, stays_in_layer

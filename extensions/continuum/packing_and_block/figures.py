@@ -32,9 +32,9 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
-from granwave.analysis.measures.force_decay import layer_peaks, spheres_of_later_waves
 from granwave.analysis.measures.geometry import layers, preferred_directions
 from granwave.analysis.measures.impact import QuadraticLaw, rays
+from granwave.analysis.measures.layer_peaks import layer_peaks, spheres_of_later_waves
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block.impacts import (

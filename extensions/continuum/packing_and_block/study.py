@@ -22,7 +22,8 @@ from granwave.analysis.document.model import (
     spread_cell,
 )
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.measures.zone_resolution import FRACTION, error_of, is_unresolved
+from granwave.analysis.measures.incomplete_values import DISSIPATED_FRACTION
+from granwave.analysis.measures.zone_resolution import error_of, is_unresolved
 from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
@@ -262,7 +263,7 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
         return None
     what = Cell(zone.what_of(run.what, run.packing, run.material))
     if is_unresolved(run.run.summary):
-        lost = spread_cell(run.dissipated_fraction, error_of(FRACTION, run.run.summary))
+        lost = spread_cell(run.dissipated_fraction, error_of(DISSIPATED_FRACTION, run.run.summary))
         return run.label, what, run.energy_J, lost, *[Cell(zone.UNRESOLVED)] * _OF_VOLUME
     fraction, volume = elements.part(SHARE)
     energy = fraction * run.energy_J

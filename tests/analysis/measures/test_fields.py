@@ -9,8 +9,8 @@ import pytest
 from scipy import stats
 
 from granwave.analysis import Result, summarise, write_result
-from granwave.analysis.measures import force_decay as measured_decay
 from granwave.analysis.measures import impact as dissipation
+from granwave.analysis.measures import layer_peaks
 from granwave.analysis.measures.force_decay import (
     ForceDecay,
     PowerDecay,
@@ -174,7 +174,7 @@ def test_decay_of_a_packing_is_the_better_law(result, monkeypatch):
         (-twins[better].slope, twins[better].stderr), rel=1e-9
     )
     rising = np.arange(len(depth)) > 3
-    monkeypatch.setattr(measured_decay, "still_rising", lambda *_: rising)
+    monkeypatch.setattr(layer_peaks, "still_rising", lambda *_: rising)
     assert force_decay(result) is None
 
 

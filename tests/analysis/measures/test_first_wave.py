@@ -7,14 +7,9 @@ import pytest
 
 from granwave.analysis.figures.peak_force_depth import peak_force_depth
 from granwave.analysis.figures.style import style
-from granwave.analysis.measures.force_decay import (
-    both_decays,
-    force_decay,
-    layer_peaks,
-    no_decay_reason,
-    reflection_arrivals,
-)
+from granwave.analysis.measures.force_decay import both_decays, force_decay, no_decay_reason
 from granwave.analysis.measures.geometry import layers
+from granwave.analysis.measures.layer_peaks import layer_peaks, reflection_arrivals
 from granwave.analysis.result.reader import Result
 from granwave.workflows import load_case, run_case
 

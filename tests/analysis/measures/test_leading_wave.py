@@ -10,10 +10,10 @@ from granwave.analysis.figures.style import style
 from granwave.analysis.measures.force_decay import (
     exponential_of_depth,
     force_decay,
-    layer_peaks,
     no_decay_reason,
 )
 from granwave.analysis.measures.fronts import line_motions
+from granwave.analysis.measures.layer_peaks import layer_peaks
 from granwave.analysis.measures.leading_wave import first_wave, leading_peaks, stretch_speeds
 from granwave.analysis.measures.regions import WHOLE, stretches, usual_regions
 from granwave.analysis.result.reader import Result
