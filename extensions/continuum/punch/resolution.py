@@ -36,10 +36,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.incomplete_values import DISSIPATED_FRACTION
+from granwave.analysis.measures.zone_resolution import ERROR, RESOLVED, is_unresolved
+
 ELEMENTS = "zone_elements_90"
-RESOLVED = "zone_resolved"
-FRACTION = "dissipated_fraction"
-ERROR = "dissipated_fraction_error"
 VISCOUS = "artificial_viscosity_fraction"
 
 _HELD = 0.9  # fraction of the plastic dissipation in the counted elements
@@ -104,11 +104,11 @@ def _strain(summary: Mapping[str, Any]) -> str:
 
 def _zone(summary: Mapping[str, Any]) -> str:
     """Return a sentence on a plastic zone that the mesh does not resolve."""
-    if summary.get(RESOLVED) is not False:
+    if not is_unresolved(summary):
         return ""
     count = summary[ELEMENTS]
     held = "1 element holds" if count == 1 else f"{count} elements hold"
-    fraction = 100 * summary[FRACTION]
+    fraction = 100 * summary[DISSIPATED_FRACTION]
     error = 100 * summary[ERROR]
     return (
         f"the plastic zone is not resolved: {held} 90 % of the plastic dissipation, expected at "

@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 
+from granwave.analysis.measures.incomplete_values import DISSIPATED_FRACTION
 from granwave.analysis.reports.comparison.compared_value import ComparedValue
 from granwave.analysis.reports.comparison.values import differing_values
 from granwave.extensions.continuum.punch import ContinuumCase, mesh
@@ -16,7 +17,6 @@ from granwave.extensions.continuum.punch.resolution import (
     ELEMENTS,
     ERROR,
     FEWEST,
-    FRACTION,
     RESOLVED,
     VISCOUS,
     doubts,
@@ -75,7 +75,9 @@ def test_uncertainty_covers_the_position_of_the_nodes(monkeypatch, elements, mas
             patch.setattr(mesh, "block_mesh", shifted_mesh(shift))
             found.append(summary_of(elements, mass, velocity))
     for one, other in itertools.combinations(found, 2):
-        assert abs(one[FRACTION] - other[FRACTION]) < math.hypot(one[ERROR], other[ERROR])
+        assert abs(one[DISSIPATED_FRACTION] - other[DISSIPATED_FRACTION]) < math.hypot(
+            one[ERROR], other[ERROR]
+        )
 
 
 def test_elements_are_counted_by_energy_density():
