@@ -89,6 +89,7 @@ def test_caption_of_forces_against_depth_names_what_is_drawn(packing):
         assert "Circles" not in figure.words(result, table)[1]
 
 
+@pytest.mark.needs_extension("pictures")
 def test_impact_in_the_plane_of_a_layer(layer):
     """Nothing is cut away, and the wave never reaches the bottom."""
     with Result(layer) as result:
