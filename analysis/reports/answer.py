@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from itertools import chain, product
@@ -52,7 +53,7 @@ from granwave.analysis.reports.sentences import by_part, printed, sentences, sha
 from granwave.analysis.reports.setting import is_chain, origin_of, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import VariedKey
-from granwave.analysis.scans.means import WORTH, Means
+from granwave.analysis.scans.means import NOT_FINAL, WORTH, Means
 from granwave.analysis.summary_table import has_no_pairs
 from granwave.lammps_inputs.case.added_grains import has_added_to_chain
 from granwave.lammps_inputs.errors import GranwaveError
@@ -247,7 +248,7 @@ def _table(means: Means, shown: Sequence[str]) -> DocumentTable:
         for key in means.keys
     ]
     columns += [_mean_column(means, name) for name in shown]
-    return column_table(_caption(means), columns, sortable=True)
+    return column_table(_caption(means, shown), columns, sortable=True)
 
 
 def _mean_column(means: Means, name: str) -> tuple[TableColumn, list[Cell]]:
@@ -275,16 +276,21 @@ def _crossed(means: Means, main: str) -> DocumentTable:
         )
         columns.append(column)
     return column_table(
-        f"{value_column(main, means.called, unit).title}. {_caption(means)}",
+        f"{value_column(main, means.called, unit).title}. {_caption(means, [main])}",
         columns,
         sortable=True,
     )
 
 
 def _mean(means: Means, name: str, row: int, size: float) -> Cell:
-    """Return the mean of a quantity with its interval, in a unit of a size."""
+    """Return the mean of a quantity with its interval, in a unit of a size; marked if the end of a
+    run limits it.
+    """
     mean = in_unit(means.values[name][row], size)
-    return spread_cell(mean, in_unit(means.half_widths[name][row], size))
+    cell = spread_cell(mean, in_unit(means.half_widths[name][row], size))
+    if not means.is_limited(name, row):
+        return cell
+    return dataclasses.replace(cell, text=f"{cell.text} {NOT_FINAL}")
 
 
 def _column(key: VariedKey, means: Means) -> TableColumn:
@@ -293,13 +299,15 @@ def _column(key: VariedKey, means: Means) -> TableColumn:
     )
 
 
-def _caption(means: Means) -> str:
+def _caption(means: Means, shown: Sequence[str]) -> str:
     least = min(means.counts, default=1)
     most = max(means.counts, default=1)
-    if most < 2:
-        return "All points"
     count = f"{least} to {most}" if least < most else str(most)
-    return f"Means of {count} replicates, with 95 % confidence intervals"
+    caption = f"Means of {count} replicates, with 95 % confidence intervals"
+    if most < 2:
+        caption = "All points"
+    remark = means.remark(shown)
+    return f"{caption}. {remark}" if remark else caption
 
 
 # ---------------------------------------------------------------------- runs

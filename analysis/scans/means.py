@@ -45,6 +45,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _CLEAR = 0.05  # change of a quantity, relative to its largest value, that is worth a headline
 WORTH = 1e-12  # smallest value that is not rounding
+NOT_FINAL = "†"  # mark of a value in a table that the end of a run limits
 _AIMS = (REDUCTION, "restitution", "transmission")  # values for which scans are made
 #: Quantities that come first, in this order.
 _MAIN = (
@@ -304,10 +305,23 @@ class Means:
         return [course for course in courses if course is not Trend.CONSTANT]
 
     def text(self, name: str, row: int) -> str:
-        """Return a mean with its interval, if it has one."""
+        """Return a mean with its interval, if it has one, and with `NOT_FINAL` if the end of a run
+        limits it.
+        """
         mean = self.values[name][row]
         half = self.half_widths[name][row]
-        return interval(mean, half) if mean is not None and half else show(mean)
+        text = interval(mean, half) if mean is not None and half else show(mean)
+        return f"{text} {NOT_FINAL}" if self.is_limited(name, row) else text
+
+    def is_limited(self, name: str, row: int) -> bool:
+        """Return True for a known mean that the end of a run limits."""
+        return row in self.incomplete.get(name, ()) and self.values[name][row] is not None
+
+    def remark(self, names: Iterable[str]) -> str:
+        """Return the meaning of `NOT_FINAL`; empty if it marks no value of these quantities."""
+        rows = range(len(self.counts))
+        is_marked = any(self.is_limited(name, row) for name in names for row in rows)
+        return f"{NOT_FINAL} still changes at the end of the run" if is_marked else ""
 
     def in_words(self, name: str, row: int) -> str:
         """Return a mean with its unit, and its interval if it has one."""

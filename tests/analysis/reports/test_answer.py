@@ -123,6 +123,19 @@ def test_means_over_seeds(tmp_path):
     )
 
 
+def test_means_that_the_end_of_a_run_limits_are_marked(tmp_path):
+    """The dissipated fraction of the first point still grows at its end."""
+    points = grid(load__velocity=[1, 2, 3])
+    scan = scan_with(tmp_path / "scan", points, lambda p: 0.1 * p["load.velocity"])
+    path = ScanResult(scan).points[0].directory / "summary.json"
+    summary = json.loads(path.read_text()) | {"incomplete_values": ["dissipated_fraction"]}
+    path.write_text(json.dumps(summary))
+    draw_scan_figures(scan, pdf=False)
+    _, shown = answer(build([scan], tmp_path))
+    assert shown.table.caption == "All points. † still changes at the end of the run"
+    assert [row[1].text for row in shown.table.rows] == ["0.1 †", "0.2", "0.3"]
+
+
 def test_the_force_on_the_bottom_leads_where_zones_are_limited(tmp_path):
     """Sentence, figure and first column are of the force, the yielded spheres come last."""
     points = grid(packing__diameter_scatter=[0, 2e-6, 5e-6])

@@ -168,6 +168,9 @@ def test_values_that_the_end_limits_have_no_trend(tmp_path):
     assert "It is not final at 1 of 3 points" in sentence
     assert sentence.endswith("(diameter scatter 10 µm): increase run.end_time.")
     assert means.range_in_words(FORCE).endswith("; not final at the end of the run at 1 of 3")
+    assert means.text(FORCE, 2).endswith(" †") and "†" not in means.text(FORCE, 0)
+    assert means.remark([FORCE]) == "† still changes at the end of the run"
+    assert not means.remark(["dissipated_fraction"])
     marks = drawings(ScanResult(tmp_path / "scan"))
     data = marks["bottom_peak_force_vs_packing_diameter_scatter"].columns
     assert list(data["not_final_at_the_end_of_the_run"]) == [0, 0, 1]

@@ -94,7 +94,10 @@ def _means_text(result: ScanResult) -> str:
         rows.append([*(key.tick(row) for key in means.keys), *values])
     counts = sorted(set(means.counts))
     of = f"{counts[0]} to {counts[-1]}" if len(counts) > 1 else f"{counts[0]}"
-    return f"means of {of} replicates, with 95 % confidence intervals:\n{columns(rows)}\n\n{text}"
+    head = f"means of {of} replicates, with 95 % confidence intervals"
+    if remark := means.remark(shown[:_MOST_MEANS]):
+        head = f"{head} ({remark})"
+    return f"{head}:\n{columns(rows)}\n\n{text}"
 
 
 def _value(shown: Quantity, value: Any) -> str:
