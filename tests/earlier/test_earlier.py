@@ -222,6 +222,11 @@ def test_a_checkpoint_of_another_minor_version_is_not_used(tmp_path, version, na
     )
 
 
-def test_a_deprecated_name_warns():
-    with pytest.warns(DeprecationWarning, match="is now called errors"):
-        assert InputError("wrong").faults == ["wrong"]
+def test_a_removed_name_is_rejected_with_the_new_one():
+    error = InputError("wrong")
+    with pytest.raises(AttributeError, match="is now called errors"):
+        _ = error.faults
+    assert error.errors == ["wrong"]
+    assert not hasattr(error, "faults")
+    with pytest.raises(AttributeError, match="'InputError' object has no attribute 'fault'"):
+        _ = error.fault
