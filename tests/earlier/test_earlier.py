@@ -10,14 +10,11 @@ Python with their arguments, styles.
 
 from __future__ import annotations
 
-import argparse
 import csv
-import inspect
 import json
 import shutil
 import tarfile
 import tomllib
-from operator import attrgetter
 from pathlib import Path
 
 import h5py
@@ -27,19 +24,17 @@ import granwave as gw
 from granwave.analysis import Result
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import FORMAT, MARKER
-from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.main import main
-from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.run.directory import RunDirectory
+from tests.earlier import promised
 
 pytestmark = pytest.mark.xdist_group("earlier")  # its fixtures are made once
 
 HERE = Path(__file__).parent
 WITH_DUMPS = "1.0.0"
 VERSIONS = ("0.1.0", "0.2.0", "0.3.0", WITH_DUMPS)
-PROMISED = json.loads((HERE / "promised.json").read_text(encoding="utf-8"))
+PROMISED = json.loads(promised.FILE.read_text(encoding="utf-8"))
 KNOWN = {"run": "fcc", "chain": "chain"}
-SMALL = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=1.5e-5", "--set", "run.frames=2"]
 
 
 @pytest.fixture(params=VERSIONS)
@@ -155,50 +150,28 @@ def test_restart_files_of_1_0_are_rejected_with_both_formats(with_dumps, lammps)
         engine.command(f"read_restart {file}")
 
 
-def commands() -> dict[str, list[argparse.Action]]:
-    """Options and arguments of each command."""
-    actions = make_parser()._actions
-    verbs = next(one for one in actions if isinstance(one, argparse._SubParsersAction))
-    return {name: parser._actions for name, parser in verbs.choices.items()}
-
-
 def test_commands_and_options_of_1_0():
-    present = commands()
-    for name, promised in PROMISED["commands"].items():
-        actions = present[name]
-        found = {
-            word
-            for one in actions
-            for word in (one.option_strings or [str(one.metavar or one.dest)])
-        }
-        assert set(promised) <= found, name
+    present = promised.actions()
+    for name, words in PROMISED["commands"].items():
+        assert set(words) <= present[name].keys(), name
 
 
 def test_values_of_options_of_1_0():
-    present = commands()
-    for words, promised in PROMISED["choices"].items():
-        name, option = words.split()
-        (action,) = [
-            one
-            for one in present[name]
-            if option in (one.option_strings or [str(one.metavar or one.dest)])
-        ]
-        assert set(promised) <= set(map(str, action.choices or ())), words
+    present = promised.choices()
+    for option, values in PROMISED["choices"].items():
+        assert set(values) <= set(present[option]), option
 
 
 def test_keys_and_names_of_1_0():
-    keys = {f"{table.file}:{table.name}.{key.name}" for table in tables() for key in table.keys}
-    assert set(PROMISED["keys"]) <= keys
+    assert set(PROMISED["keys"]) <= set(promised.keys())
     assert set(PROMISED["python"]) <= set(gw.__all__)
 
 
 def test_functions_and_members_of_1_0_in_python():
-    """Each function has its arguments, those that may be given by position in their order."""
-    for name, promised in PROMISED["arguments"].items():
-        found = attrgetter(name)(gw)
-        if inspect.isfunction(found):
-            parameters = inspect.signature(found).parameters
-            assert [one for one in parameters if one in promised] == promised, name
+    """Each function has its arguments, in their order."""
+    present = promised.arguments()
+    for name, parameters in PROMISED["arguments"].items():
+        assert [one for one in present[name] if one in parameters] == parameters, name
 
 
 def test_styles_of_1_0(lammps):
@@ -211,17 +184,7 @@ def test_styles_of_1_0(lammps):
 def now(tmp_path_factory) -> Path:
     """A present run and scan like those in the archives."""
     place = tmp_path_factory.mktemp("now")
-    assert main(["run", "fcc-small", "-o", str(place / "run"), *SMALL, "--no-figures"]) == 0
-    chain = [
-        "--set",
-        "packing.size=6",
-        "--set",
-        "run.end_time=2e-5",
-        "--set",
-        "run.frames=2",
-        "--no-figures",
-    ]
-    assert main(["run", "homogeneous-chain", "-o", str(place / "chain"), *chain]) == 0
+    promised.make_runs(place)
     (place / "pair.toml").write_text(
         'case = "two-spheres"\nset = {run.end_time = 4e-5}\ngrid = {load.velocity = [0.1]}\n'
     )
@@ -232,16 +195,9 @@ def now(tmp_path_factory) -> Path:
 
 
 def test_values_data_sets_and_columns_of_1_0(now):
-    assert set(PROMISED["summary"]) <= set(
-        json.loads((now / "run" / "summary.json").read_text(encoding="utf-8"))
-    )
-    found: dict[str, str] = {}
-    for name in KNOWN:
-        with h5py.File(now / name / "result.h5") as file:
-            file.visititems(lambda name, one: found.update({name: str(one.attrs.get("unit", ""))}))
-    assert PROMISED["result"].items() <= found.items()  # with their units
-    with (now / "suite" / "pair" / "scan.csv").open(encoding="utf-8", newline="") as stream:
-        assert set(PROMISED["scan_csv"]) <= set(next(csv.reader(stream)))
+    assert set(PROMISED["summary"]) <= set(promised.summary_values(now))
+    assert PROMISED["result"].items() <= promised.data_sets(now).items()  # with their units
+    assert set(PROMISED["scan_csv"]) <= set(promised.columns(now / "suite" / "pair"))
 
 
 def test_every_file_tells_its_version(now):
