@@ -49,8 +49,8 @@ def _join(parts: list[str]) -> str:
     """Parts of a line, those with markup apart from letters next to them by an escaped space."""
     line = ""
     for part in parts:
-        opens = re.match(r"[*`:]", part) and re.search(r"[^\s'\"(\[{<\-/:]$", line)
-        closes = re.search(r"(?<!\\)[*`]_?$", line) and re.match(r"[^\s'\")\]}>\-/:.,;!?\\]", part)
+        opens = re.match(r"[*`:]", part) and re.search(r"[^\s'\"(\[{<\-/:]\Z", line)
+        closes = re.search(r"(?<!\\)[*`]_?\Z", line) and re.match(r"[^\s'\")\]}>\-/:.,;!?\\]", part)
         if opens or closes:
             line += r"\ "
         line += part
