@@ -9,7 +9,7 @@ from typing import Any
 
 FUNCTIONS = ("sqrt", "ln", "min", "max", "A")
 NAMES = {"sqrt": math.sqrt, "ln": math.log, "min": min, "max": max, "e": math.e, "pi": math.pi}
-SIGNS = {"^*": "_star", r"\le ": "<=", r"\ge ": ">=", r"\times": "*"}
+SIGNS = {"^{*2}": "_star**2", "^*": "_star", r"\le ": "<=", r"\ge ": ">=", r"\times": "*"}
 WORDS = "alpha|sigma|nu|pi|sqrt|ln|min|max"
 CASES = re.compile(r"\\begin\{cases\}(.*)\\end\{cases\}", re.DOTALL)
 BLOCK = re.compile(r"^ *\$\$\n(.*?)^ *\$\$$", re.MULTILINE | re.DOTALL)

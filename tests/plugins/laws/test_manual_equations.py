@@ -70,27 +70,27 @@ def test_scales_follow_the_page():
     names["sigma_y"] = value(sides[r"\sigma_y"], names)
     names["alpha_y"] = value(sides[r"\alpha_y"], names)
     law = contact("elastoplastic")
-    assert names["R_star"] == pytest.approx(law.effective_radius, rel=1e-14)
-    assert names["E_star"] == pytest.approx(law.effective_modulus, rel=1e-14)
-    assert names["alpha_y"] == pytest.approx(law.yield_overlap, rel=1e-12)
-    assert value(sides["F_y"], names) == pytest.approx(law.yield_force, rel=1e-12)
+    assert names["R_star"] == pytest.approx(law.effective_radius, rel=1e-14, abs=0)
+    assert names["E_star"] == pytest.approx(law.effective_modulus, rel=1e-14, abs=0)
+    assert names["alpha_y"] == pytest.approx(law.yield_overlap, rel=1e-12, abs=0)
+    assert value(sides["F_y"], names) == pytest.approx(law.yield_force, rel=1e-12, abs=0)
 
 
 def assert_curve(law: ContactLaw, sides: dict[str, str], names: dict[str, object], a: float):
     """Compare the force on loading, the residual overlap and the force on unloading."""
     unit = law.yield_overlap
     force = value(sides["f"], {**names, "a": a})
-    assert force == pytest.approx(law.loading_force(a * unit) / law.yield_force, rel=1e-12)
+    assert force == pytest.approx(law.loading_force(a * unit) / law.yield_force, rel=1e-12, abs=0)
     if a <= 1:
         return
     residual = a_residual(sides, {**names, "a_max": a, "f_max": force})
-    assert residual == pytest.approx(law.residual_overlap(a * unit) / unit, rel=1e-9)
+    assert residual == pytest.approx(law.residual_overlap(a * unit) / unit, rel=1e-9, abs=0)
     middle = (a + residual) / 2
     unloading = equations(part("Scales of a contact"))["f"]
     exponent = law.unloading_exponent(a * unit)
     known = {"a": middle, "a_R": residual, "a_max": a, "f_max": force, "n": exponent}
     expected = law.force(middle * unit, a * unit) / law.yield_force
-    assert value(unloading, known) == pytest.approx(expected, rel=1e-9)
+    assert value(unloading, known) == pytest.approx(expected, rel=1e-9, abs=0)
 
 
 def a_residual(sides: dict[str, str], names: dict[str, object]) -> float:
@@ -130,16 +130,65 @@ def test_hertz_and_bilinear_follow_the_page(a):
         "sigma_y": min(STRENGTH),
     }
     force = value(law_part("hertz")["F"], names)
-    assert force == pytest.approx(hertz.loading_force(alpha), rel=1e-12)
+    assert force == pytest.approx(hertz.loading_force(alpha), rel=1e-12, abs=0)
     bilinear = contact("bilinear", beta=0.7)
     sides = re.findall(r"(?m)^F = k .alpha, .qquad k = (.*)$", PAGE)
     names |= {"k": value(sides[0], names), "b": 0.7}
-    assert names["k"] * alpha == pytest.approx(bilinear.loading_force(alpha), rel=1e-12)
+    assert names["k"] * alpha == pytest.approx(bilinear.loading_force(alpha), rel=1e-12, abs=0)
     unloading = law_part("bilinear")["F"]
     for share in (0.3, 0.69, 0.71, 0.95):
         known = {**names, "alpha": share * alpha, "alpha_max": alpha}
         expected = bilinear.force(share * alpha, alpha)
-        assert value(unloading, known) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+        assert value(unloading, known) == pytest.approx(expected, rel=1e-9, abs=0)
+
+
+@pytest.mark.parametrize("x", [1.1, 1.3, 1.7, 2.5, 8.0])
+def test_jkr_follows_the_page(x):
+    """Overlap, force and stored energy for the radius x^2 a_f of the contact circle."""
+    law = contact("hertz", cohesion=("jkr", 0.5))
+    begin, _, end = part("Cohesion").partition("The contact forms when")
+    curve = equations(begin)
+    limits = equations(end.partition("**dmt**")[0])
+    names = {"E_star": law.effective_modulus, "R_star": law.effective_radius, "W": 0.5}
+    names["a_f"] = value(limits["a_f^3"], names) ** (1 / 3)
+    (width,) = re.findall(r"contact circle and \$s = (.*?)\$", begin)
+    names["s"] = value(width, names)
+    names["x"] = x
+    names["a_c"] = x**2 * names["a_f"]
+    alpha = value(curve[r"\alpha"], names)
+    peak = max(alpha, 1e-7)  # surfaces that have met
+    assert value(curve["F"], names) == pytest.approx(float(law.force(alpha, peak)), rel=1e-9, abs=0)
+    stored = float(law.elastic_energy(alpha, peak))
+    assert value(limits["U"], names) == pytest.approx(stored, rel=1e-9, abs=0)
+    largest = value(r"\frac{3}{2} \pi W R^*", names)
+    assert r"$\tfrac{3}{2} \pi W R^*$" in end
+    assert law.pull_off_force == pytest.approx(largest, rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize("a", [0.5, 3.0, 150.0, 400.0])
+@pytest.mark.parametrize("share", [1.0, 0.99])
+def test_the_contact_circle_and_its_stiffness_follow_the_page(share, a):
+    law = contact("elastoplastic")
+    sections = part("Friction").partition("Below the peak of a yielded contact")
+    unit = law.yield_overlap
+    sides = law_part("elastoplastic")
+    area = {"A": lambda overlap: value(sides["A"], {**variant(0), "a": overlap})}
+    names = {"R_star": law.effective_radius, "alpha_y": unit, "alpha": a * unit}
+    if a < 1:  # while the contact is Hertzian
+        area["A"] = float
+    square = value(equations(sections[0])["a_c^2"], {**names, **area})
+    if share < 1 < a:
+        names |= {"alpha": share * a * unit, "alpha_max": a * unit, "a_cmax": square**0.5}
+        names["alpha_R"] = float(law.residual_overlap(a * unit))
+        below = equations(sections[2])["a_c^2"].replace("_{c,\\text{max}}^2", "_{c,max}^2")
+        square = value(below, names)
+    overlap = names["alpha"]
+    assert square**0.5 == pytest.approx(
+        float(law.contact_radius(overlap, a * unit)), rel=1e-9, abs=0
+    )
+    names |= {"G_star": law.shear_modulus, "a_c": square**0.5}
+    stiffness = float(law.tangential_stiffness(overlap, a * unit))
+    assert value(equations(sections[0])["k_t"], names) == pytest.approx(stiffness, rel=1e-9, abs=0)
 
 
 def test_a_formula_with_an_unknown_command_is_an_error():
