@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-FUNCTIONS = ("sqrt", "ln", "min", "max", "A")
+FUNCTIONS = ("sqrt", "ln", "min", "max", "A", "p")
 NAMES = {"sqrt": math.sqrt, "ln": math.log, "min": min, "max": max, "e": math.e, "pi": math.pi}
 SIGNS = {"^{*2}": "_star**2", "^*": "_star", r"\le ": "<=", r"\ge ": ">=", r"\times": "*"}
 WORDS = "alpha|sigma|nu|pi|sqrt|ln|min|max"

@@ -107,6 +107,7 @@ def test_elastoplastic_follows_the_page(name, a):
     sides = law_part("elastoplastic")
     names = {"C": 1.6, "K": 1.5 / 1.6, **variant(["continuous", "published"].index(name))}
     names["A"] = lambda overlap: value(sides["A"], {**names, "a": overlap})
+    names["p"] = lambda overlap: value(sides["p"], {**names, "a": overlap})
     assert_curve(law, sides, names, a)
 
 
