@@ -43,7 +43,8 @@ from granwave.analysis.measures.zone_size import (
 )
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
-from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
+from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.definitions import OF_THE_END, end_notes
 from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.figures import figures_section, views

@@ -315,13 +315,16 @@ class Means:
 
     def is_limited(self, name: str, row: int) -> bool:
         """Return True for a known mean that the end of a run limits."""
-        return row in self.incomplete.get(name, ()) and self.values[name][row] is not None
+        return row in self._limited_rows(name)
 
     def remark(self, names: Iterable[str]) -> str:
         """Return the meaning of `NOT_FINAL`; empty if it marks no value of these quantities."""
-        rows = range(len(self.counts))
-        is_marked = any(self.is_limited(name, row) for name in names for row in rows)
-        return f"{NOT_FINAL} still changes at the end of the run" if is_marked else ""
+        marked = [name for name in names if self._limited_rows(name)]
+        return f"{NOT_FINAL} still changes at the end of the run" if marked else ""
+
+    def _limited_rows(self, name: str) -> frozenset[int]:
+        """Return the rows with a known mean that the end of a run limits."""
+        return self.incomplete.get(name, frozenset()).intersection(self.known_rows(name))
 
     def in_words(self, name: str, row: int) -> str:
         """Return a mean with its unit, and its interval if it has one."""

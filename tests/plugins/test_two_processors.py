@@ -120,10 +120,22 @@ RUNS = {
 }  # fmt: skip
 
 
+#: Runs of every test; the others are validations.
+SHORT = (
+    "friction", "partial slip, rolling", "sliders", "plate", "initial dents", "beads and bar",
+    "across the border", "damping across the border", "tilted box", "driven sphere",
+)  # fmt: skip
 ALSO_EMPTY = ("friction", "plate", "shear")
 SENT_BY_LAMMPS = "comm_modify vel yes\n"
 MIDDLE = 0.5
 ABOVE_ALL = 0.95  # spheres: the second of two processors has none
+
+
+def quick_and_others(quick):
+    """Return all runs as parameters; those that are not quick are validations."""
+    return [
+        name if name in quick else pytest.param(name, marks=pytest.mark.validation) for name in RUNS
+    ]
 
 
 def divided_at(script: str, height: float) -> str:
@@ -133,7 +145,7 @@ def divided_at(script: str, height: float) -> str:
     return f"processors 1 1 2\n{divided}"
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", quick_and_others(SHORT))
 def test_the_same_bits(log_of, tmp_path, name):
     """On one processor, where LAMMPS sends velocities of ghosts across periodic boundaries, and on
     two, where the pair style does.
@@ -141,13 +153,7 @@ def test_the_same_bits(log_of, tmp_path, name):
     compare(log_of, tmp_path, name, one_is_empty=False)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        name if name in ALSO_EMPTY else pytest.param(name, marks=pytest.mark.validation)
-        for name in RUNS
-    ],
-)
+@pytest.mark.parametrize("name", quick_and_others(ALSO_EMPTY))
 def test_the_same_bits_where_one_is_empty(log_of, tmp_path, name):
     """On two processors, of which one has no spheres or both have some. The command that divides a
     tilted box rounds the coordinates.

@@ -12,7 +12,10 @@ import pytest
 import granwave as gw
 from tests.helpers.programs.scripts import columns, row, study_of
 
-pytestmark = pytest.mark.xdist_group("chapter 4")  # its fixtures are made once
+pytestmark = [
+    pytest.mark.xdist_group("chapter 4"),
+    pytest.mark.validation,
+]  # its fixtures are made once
 
 STEEL = {"material": "steel", "packing.diameter": 0.006}
 

@@ -14,7 +14,10 @@ from granwave.analysis.studies.registry import load_study
 from granwave.analysis.studies.study import Study
 from tests.helpers.programs.scripts import FOLDER, columns, row, study_of
 
-pytestmark = pytest.mark.xdist_group("early chapters")  # its fixtures are made once
+pytestmark = [
+    pytest.mark.xdist_group("early chapters"),
+    pytest.mark.validation,
+]  # its fixtures are made once
 
 
 def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:

@@ -21,6 +21,7 @@ CODE = "import pathlib\npathlib.Path(__file__).with_suffix('.taken').touch()\nra
 TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=2e-5", "--set", "run.frames=5"]
 TINY += ["--set", 'figures.only=["energies", "peak_force_principal"]']
 SCAN = 'case = "fcc-small"\nranks = {spheres_per_rank = 30, most = 2}\n[set]\nrun.end_time = 2e-5\nrun.frames = 5\n'
+SCAN += 'figures.only = ["energies", "peak_force_principal"]\n'
 SCAN += "[[points]]\npacking.size = [4, 4, 3]\n[[points]]\npacking.size = [3, 3, 3]\n"
 SETTINGS = b"text.usetex: True\nimage.cmap: no-such-map\naxes.facecolor: ff0000\n"
 

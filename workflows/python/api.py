@@ -380,7 +380,7 @@ def compare(
         A directory has no results, there are fewer than two runs, a name is unknown, or a file
         cannot be read.
     """
-    from granwave.analysis.reports.comparison.comparison import compare_inputs
+    from granwave.analysis.reports.comparison.compare import compare_inputs
     from granwave.analysis.reports.inputs import read_inputs
 
     with words_of_python():

@@ -8,6 +8,7 @@ curves      forces, energies, peaks by depth and fronts of a run, as curves
 fields      peak forces on a section, side by side
 figures     the figures
 measured    a measured curve, and its difference from each run
+compare     start of a comparison, with checks of the names
 comparison  all of it for some runs
 blocks      it as a section of a report
 page        a page of its own, and lines for the terminal

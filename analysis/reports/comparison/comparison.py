@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from granwave.analysis.errors import MissingDataError, did_you_mean
+from granwave.analysis.errors import MissingDataError
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
@@ -32,7 +32,7 @@ from granwave.analysis.reports.comparison.ends import (
 from granwave.analysis.reports.comparison.energy_inputs import kinds_sentence
 from granwave.analysis.reports.comparison.figures.figure import FigureData, read_figure
 from granwave.analysis.reports.comparison.figures.registry import FIGURES
-from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve, read_measured
+from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.measured_words import (
     closest_sentence,
     coverage_notes,
@@ -44,7 +44,6 @@ from granwave.analysis.reports.comparison.scatter import scatter_sentence
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     by_reason,
-    compared_runs,
     names_in_words,
     names_with_cases,
 )
@@ -58,22 +57,17 @@ from granwave.analysis.reports.comparison.values import (
     compared_values,
     differing_values,
     results_and_details,
-    unknown_values,
     unlike_names,
 )
-from granwave.analysis.reports.inputs import ReportInputs
-from granwave.analysis.reports.kinds import ReportRun, warning_notes
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.own_files import AnyPath
+from granwave.analysis.reports.kinds import warning_notes
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-BOTTOM_FORCE = "bottom_force"  # default quantity for a measured curve
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
-_LEAST_RUNS = 2
+LEAST_RUNS = 2  # of a comparison without a measured curve
 _LEAST_KINDS = 2
 
 
@@ -213,7 +207,7 @@ class Comparison:
         """The run closest to each measured curve, for a single run its misfit; after the sentences
         on a doubtful unit of the curve.
         """
-        is_alone = len(self.runs) < _LEAST_RUNS
+        is_alone = len(self.runs) < LEAST_RUNS
         sentences: list[str] = []
         for name, curve in self.measured.items():
             units = _units_of(name)
@@ -233,7 +227,7 @@ class Comparison:
         """Return the sentence on the values that differ most, without values that other sentences
         state.
         """
-        if len(self.runs) < _LEAST_RUNS:
+        if len(self.runs) < LEAST_RUNS:
             return ""
         if differ_in_end_only(self.runs):
             return f"{same_case_sentence(self.runs)} {self._largest_differences(stated)}".rstrip()
@@ -252,7 +246,7 @@ class Comparison:
                 return ""
             return equal_in_figures(values, self.runs) or sentence(values, self.runs, asked=True)
         runs = self._finished
-        if len(runs) < _LEAST_RUNS:
+        if len(runs) < LEAST_RUNS:
             return sentence(compared_values(self.runs), self.runs, stated=stated)
         return sentence(self._finished_values, runs, stated=stated)
 
@@ -266,7 +260,7 @@ class Comparison:
     @cached_property
     def _rankings(self) -> list[Ranking]:
         """Orders of the runs by their protection."""
-        if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
+        if self.quantities or len(self.runs) < LEAST_RUNS or not self.differs:
             return []
         if differ_in_end_only(self.runs):
             return []
@@ -504,7 +498,7 @@ class Comparison:
         limits = self._unlike_ends()
         if partial := partial_note(self.values, [run.name for run in self.runs]):
             limits.append(partial)
-        if len(self.runs) >= _LEAST_RUNS:
+        if len(self.runs) >= LEAST_RUNS:
             definitions = definition_notes(self.runs, self._names_compared)
             limits += limit_notes(self.runs, self._names_compared)
         last = warning_notes([run.run for run in self.runs])
@@ -556,102 +550,8 @@ class Comparison:
         return f"{notes}\n{self.table.to_html(na_rep='')}\n{self.differences.to_html()}"
 
 
-def compare_runs(
-    runs: Sequence[ReportRun],
-    quantities: Sequence[str] = (),
-    measured: AnyPath | None = None,
-    measured_as: str = BOTTOM_FORCE,
-    *,
-    shift: float = 0.0,
-    scale: float = 1.0,
-    left_out: Sequence[str] = (),
-) -> Comparison:
-    """Compare runs.
-
-    Parameters
-    ----------
-    runs
-        Two at least.
-    quantities
-        Names of values of summary.json and of figures; by default all results and all figures.
-    measured
-        File of a measured curve, see `read_measured`.
-    measured_as
-        Figure that it lies over.
-    shift, scale
-        Shift of its times or lengths, s or m, and factor of its values.
-    left_out
-        Messages about unfinished runs without a summary.
-
-    Raises
-    ------
-    InputError
-        There are fewer than two runs, a name is unknown, or the file cannot be read; all faults are
-        listed.
-    """
-    errors: list[Any] = []
-    if len(runs) < _LEAST_RUNS and measured is None:
-        labels = ", ".join(run.label for run in runs) or "none"
-        finished = " with results" if left_out else ""
-        errors += left_out
-        errors.append(
-            f"found {len(runs)} run{finished} ({labels}), expected two or more to compare"
-        )
-    compared = compared_runs(runs)
-    names = [name for name in quantities if name not in FIGURES]
-    errors += unknown_values(names, compared, tuple(FIGURES))
-    curves: dict[str, MeasuredCurve] = {}
-    if measured is not None:
-        try:
-            curves[measured_as] = _measured_curve(measured, measured_as, shift, scale)
-        except InputError as error:
-            errors += error.items
-    if errors:
-        raise InputError(errors)
-    return Comparison(compared, quantities, curves, left_out)
-
-
-def compare_inputs(
-    inputs: ReportInputs,
-    quantities: Sequence[str] = (),
-    measured: AnyPath | None = None,
-    measured_as: str = BOTTOM_FORCE,
-    *,
-    shift: float = 0.0,
-    scale: float = 1.0,
-) -> Comparison:
-    """Compare the runs of directories that were read, arguments and errors as of `compare_runs`."""
-    runs = [run for run in inputs.results() if run.has_balance]
-    return compare_runs(
-        runs,
-        quantities,
-        measured,
-        measured_as,
-        shift=shift,
-        scale=scale,
-        left_out=inputs.left_out,
-    )
-
-
-def _measured_curve(path: Any, name: str, shift: float, scale: float) -> MeasuredCurve:
-    units = FIGURES[name].units if name in FIGURES else None
-    if units is None:
-        names = names_for_measured()
-        hint = did_you_mean(name, names) or f"expected {', '.join(names)}"
-        raise InputError(
-            f"--as: found {name}, which cannot be compared with a measured curve; {hint}"
-        )
-    has_peak = FIGURES[name].has_peak
-    return read_measured(path, units, shift=shift, scale=scale, has_peak=has_peak)
-
-
 def _units_of(name: str) -> tuple[str, str]:
     """Return the SI units of a figure over which a measured curve can lie."""
     units = FIGURES[name].units
-    assert units is not None  # `_measured_curve` refuses others
+    assert units is not None  # `granwave.analysis.reports.comparison.compare` refuses others
     return units
-
-
-def names_for_measured() -> Collection[str]:
-    """Return the names of the figures that a measured curve can lie over."""
-    return [name for name, figure in FIGURES.items() if figure.units is not None]

@@ -10,11 +10,8 @@ from urllib.parse import quote
 
 from granwave.analysis.document.model import Link
 from granwave.analysis.figures.style import OWN_PICTURES, Drawing, save, style
-from granwave.analysis.reports.comparison.comparison import (
-    BOTTOM_FORCE,
-    Comparison,
-    compare_inputs,
-)
+from granwave.analysis.reports.comparison.compare import BOTTOM_FORCE, compare_inputs
+from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.inputs import ReportInputs, read_inputs
 from granwave.analysis.reports.outline import build_comparison
@@ -46,7 +43,7 @@ def write_comparison(
     output
         Path of the page: ``.html``, ``.pdf`` or ``.md``; figures go to ``NAME_figures`` next to it.
     quantities, measured, measured_as, shift, scale
-        As of `granwave.analysis.reports.comparison.comparison.compare_runs`.
+        As of `granwave.analysis.reports.comparison.compare.compare_runs`.
 
     Raises
     ------

@@ -52,7 +52,7 @@ from granwave.extensions.continuum.material import (
     KINETIC,
     PUNCH_KINETIC,
     CONTACT_NOW,
-    FORCE,
+    IMPULSE,
     TOUCHED,
 ) = range(10)
 N_TALLY = 10
@@ -175,7 +175,6 @@ def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
         place = moment / total
         count = n_touching
     speed = (place - tally[PUNCH_Z]) / dt
-    force = 0.0
     tally[CONTACT_NOW] = tally[CONTACT]
     for i in range(len(gap)):
         reach = gap[i] + u[i] + dt * v[i]
@@ -187,10 +186,9 @@ def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
             tally[CONTACT] += impulse * (slip + left) / 2
             # work of the first half of the impulse
             tally[CONTACT_NOW] += impulse * (3 * slip + left) / 8
-            force += impulse / dt
+            tally[IMPULSE] += impulse
     if count > 0:
         tally[TOUCHED] += 1
-    tally[FORCE] = force
     tally[PUNCH_KINETIC] = 0.125 * punch_mass * (tally[PUNCH_V] + speed) ** 2
     tally[PUNCH_Z] = place
     tally[PUNCH_V] = speed

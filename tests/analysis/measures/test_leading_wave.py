@@ -68,8 +68,17 @@ TWINS = {
     "damped": {"contact.law": "hertz", "contact.loss": {"dashpot": 0.2}},
     "short": {"run.end_time": 3.5e-4},
 }
+LIKE_STEEL = ("steel", "brass", "aluminium", "free", "held", "static", "hertz")
 N_SHORT = 25
 N_LONG = 110
+
+
+def selected(names, *of_every_test):
+    """Return parameters: a few of every run of the tests, the others of `make validate`."""
+    return [
+        name if name in of_every_test else pytest.param(name, marks=pytest.mark.validation)
+        for name in names
+    ]
 
 
 def twins(directory, changes):
@@ -88,7 +97,7 @@ def twins(directory, changes):
     return known, so_far, long
 
 
-@pytest.mark.parametrize("name", TWINS)
+@pytest.mark.parametrize("name", selected(TWINS, "steel", "free", "static", "pulse"))
 def test_known_peaks_are_those_of_a_long_chain(tmp_path, name):
     """A trailing pulse can be larger than the first one, and can come after the reflection."""
     known, _, long = twins(tmp_path, TWINS[name])
@@ -129,7 +138,7 @@ def test_fit_and_figure_leave_out_what_is_not_known(tmp_path):
     assert lines["first wave"].get_xdata() == pytest.approx(np.flatnonzero(wave.is_known) + 1)
 
 
-@pytest.mark.parametrize("name", ["steel", "brass", "aluminium", "free", "held", "static", "hertz"])
+@pytest.mark.parametrize("name", selected(LIKE_STEEL, "steel", "static"))
 def test_speed_of_the_front_is_that_of_a_long_chain(tmp_path, name):
     """Arrivals are at a tenth of the largest force of the run, which later pulses change."""
     changes = YIELDING | TWINS[name]

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from granwave.analysis.reports.comparison.blocks import value_table
-from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
+from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     bottom_record,

@@ -9,7 +9,7 @@ import granwave as gw
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.dynamic_force import dynamic_peak_forces
 from granwave.analysis.measures.impact import peak_force_by_depth
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     force_at_bottom,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.document.model import DocumentTable, Gallery, Note
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.inputs import read_inputs
 from tests.helpers.made_up.synthetic_report import blocks, build, write_run
 

@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.inputs import ReportInputs, read_inputs
 from granwave.analysis.reports.outline import build_report
 from granwave.workflows import load_case, run_case

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from granwave.extensions.continuum.material import LINEAR_VISCOSITY, Elastoplastic
 from granwave.extensions.continuum.punch import ContinuumCase
 from granwave.extensions.continuum.punch.mesh import Mesh
-from granwave.extensions.continuum.punch.run import BlockRun
+from granwave.extensions.continuum.punch.run import SAMPLED, BlockRun
 from granwave.extensions.continuum.punch.solver import PunchSolver
 
 MODULUS = 115e9
@@ -31,8 +31,8 @@ DASHPOT = 0.75
 
 
 def rebound_of_half_space(mass):
-    """Restitution and largest displacement of a rigid flat punch on an elastic half-space, for
-    1 m/s.
+    """Restitution, largest displacement and largest mean force between records of a rigid flat
+    punch on an elastic half-space, for 1 m/s.
 
     Spring K = 4 G a/(1 - nu) with a dashpot and a Maxwell element in parallel, whose times are
     multiples of a/c_S.
@@ -56,8 +56,11 @@ def rebound_of_half_space(mass):
 
     separation.terminal = True
     separation.direction = -1
-    found = solve_ivp(rates, (0, 1e-3), [0, 1, 0], events=separation, rtol=1e-9, atol=1e-14)
-    return -found.y[1, -1], found.y[0].max()
+    found = solve_ivp(
+        rates, (0, 1e-3), [0, 1, 0], events=separation, rtol=1e-9, atol=1e-14, dense_output=True
+    )
+    speed = found.sol(np.arange(0, found.t[-1], SAMPLED))[1]
+    return -found.y[1, -1], found.y[0].max(), -mass * np.diff(speed).min() / SAMPLED
 
 
 def elastic_impact(mass, *, viscosity=1.0, elements=4000):
@@ -91,10 +94,11 @@ def elastic_impact(mass, *, viscosity=1.0, elements=4000):
 @pytest.mark.parametrize(("mass", "error"), [(0.00445, 0.05), (0.02, 0.025)])
 def test_rebound_from_an_elastic_block(mass, error):
     """The light punch radiates 93 % of its energy, the heavier one 73 %."""
-    restitution, displacement = rebound_of_half_space(mass)
+    restitution, displacement, force = rebound_of_half_space(mass)
     found = elastic_impact(mass)
     assert -found["impactor_velocity_m_s"] == pytest.approx(restitution, rel=error)
     assert found["punch_peak_displacement_m"] == pytest.approx(displacement, rel=0.02)
+    assert found["peak_force_N"] == pytest.approx(force, rel=0.06)
     assert found["dissipated_fraction"] == 0
 
 

@@ -146,6 +146,7 @@ def rows_of(page, run):
     return [line.strip("| ").split(" | ") for line in lines]
 
 
+@pytest.mark.validation
 def test_study_omits_sizes_of_an_unresolved_zone(packing_and_blocks, monkeypatch):
     monkeypatch.chdir(packing_and_blocks)
     assert main(["report", "grains", "light", "heavy", "-o", "page.md"]) == 0

@@ -138,6 +138,7 @@ def test_noise():
     )
 
 
+@pytest.mark.validation
 def test_outliers_count_little():
     curve = sampled(0.005, 1)
     force = curve.force.copy()
@@ -147,6 +148,7 @@ def test_outliers_count_little():
         assert found.constants[name] == pytest.approx(OTHER[name], rel=0.02)
 
 
+@pytest.mark.validation
 def test_rows_that_err_alike_widen_the_uncertainties():
     curve = sampled(0.003, 2)
     wavy = curve.force * (1 + 0.02 * np.sin(np.arange(curve.force.size) / 8))
@@ -220,6 +222,7 @@ def test_reloading_below_an_earlier_peak_belongs_to_it():
     ]  # fmt: skip
 
 
+@pytest.mark.validation
 def test_yield_strength_too():
     softer = dataclasses.replace(BRASS, yield_strength=420e6)
     found = fit_law(

@@ -9,7 +9,7 @@ import pytest
 
 from granwave.analysis.figures.style import style
 from granwave.analysis.quantities import readable
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report

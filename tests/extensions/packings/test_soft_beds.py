@@ -152,6 +152,7 @@ def hardened(tables):
     return tables | {"material": SOFT | {"youngs_modulus": HARDER * SOFT["youngs_modulus"]}}
 
 
+@pytest.mark.validation
 def test_a_soft_bed_without_friction_finds_a_new_balance(tmp_path, caplog):
     """With the hard material the forces carry the weight, and the static stage needs no
     iterations.

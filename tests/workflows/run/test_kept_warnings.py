@@ -7,7 +7,7 @@ import logging
 
 import pytest
 
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
 from granwave.lammps_inputs.checks.warnings import case_warnings

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from granwave.analysis.figures.style import Drawing, style
-from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
+from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.inputs import read_inputs
 
 SMALL = {"packing.size": [6, 6, 4], "run.end_time": 1e-4}

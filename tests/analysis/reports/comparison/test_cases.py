@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 
 from granwave.analysis.reports.comparison.cases import ids_in_words
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.comparison.subjects import compared_runs, value_text
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import ReportKind

@@ -10,7 +10,7 @@ import pytest
 from matplotlib import pyplot
 
 import granwave as gw
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.comparison.figures.axes import show_times_up_to
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.lammps_inputs.run_directory import LOCK_FILE, MARKER

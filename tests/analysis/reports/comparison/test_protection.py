@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from granwave.analysis.reports.answer import in_words
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.comparison.curves import force_at_bottom
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.protection import protection_sentences

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from granwave.analysis.reports.comparison.blocks import value_table
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.comparison.subjects import compared_runs
 from granwave.analysis.reports.comparison.value_words import sentence
 from granwave.analysis.reports.comparison.values import compared_values
