@@ -27,6 +27,7 @@ from granwave.analysis.reports.comparison.ends import (
     unresolved_names,
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
+from granwave.analysis.reports.comparison.redefined import redefined_names
 from granwave.analysis.reports.comparison.subjects import MOST_SIDE_BY_SIDE, ComparedRun
 from granwave.analysis.summary_table import has_no_pairs
 
@@ -191,8 +192,11 @@ def _outcomes(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def unlike_names(runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the names of values that the kinds of these runs define differently."""
-    return {*_OF_ONE_KIND} if len({run.run.kind for run in runs}) > 1 else set()
+    """Return the names of values that the kinds or versions of these runs define differently."""
+    names = redefined_names(runs)
+    if len({run.run.kind for run in runs}) > 1:
+        names |= {*_OF_ONE_KIND}
+    return names
 
 
 def _keys(runs: Sequence[ComparedRun]) -> list[str]:
