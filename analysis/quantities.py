@@ -296,7 +296,7 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     "Contacts": (
     Quantity("peak_force_N", "Peak contact force, excluding walls",
              "Largest force of all contacts between two spheres at any time; in the continuum, the "
-             "largest force on the punch, as means between records, which are at most 0.2 us "
+             "largest force on the punch, as means between records, which are at most 0.2 µs "
              "apart.", short="peak force, excluding walls", digits=".6g",
              axis="Peak force between spheres", symbol=r"F_\mathrm{max}"),
     Quantity("peak_force_with_walls_N", "Peak contact force, including walls",

@@ -32,7 +32,7 @@ from granwave.lammps_inputs.case.material import (
 )
 
 _POINT_FORM = "[x, y, z] in m"
-_OFFSET = Usual("m", 1e-9, 1.0, ("mm", "um"))
+_OFFSET = Usual("m", 1e-9, 1.0, ("mm", "µm"))
 
 
 CENTRE = "centre"  # value for the sphere at the centre of the top
