@@ -13,7 +13,9 @@ FOLDER = "notebooks"
 
 def with_link(body: str, name: str) -> str:
     """Return the page of a notebook with a link to its file below the title."""
-    link = f'<a class="reference download internal" download="" href="../_downloads/{name}">{name}</a>'
+    link = (
+        f'<a class="reference download internal" download="" href="../_downloads/{name}">{name}</a>'
+    )
     text = "with <code>jupyter lab</code> (<code>pip install jupyterlab</code>)"
     return body.replace("</h1>", f"</h1>\n<p>Download {link} and run it {text}.</p>", 1)
 

@@ -181,9 +181,7 @@ class Hold:
     directions: str = schema.typed(
         "directions in which the grains do not move, from x, y and z", _DIRECTIONS, default="xyz"
     )
-    rotation: bool = schema.choice(
-        "true: the grains do not rotate either", (True, False), default=True
-    )
+    rotation: bool = schema.choice("true: rotation is held too", (True, False), default=True)
 
     @property
     def axes(self) -> str:
