@@ -1,8 +1,8 @@
 """Pictures and code of the pages, for narrow screens.
 
-A picture is a link to its file, so that a click or a tap enlarges it. A picture that is wider than a
-telephone scrolls sideways in a box of its own, in the width at which its letters can be read. Names in code may break after
-an underscore, a dot and a slash, and not within a word.
+A picture is a link to its file, so that a click or a tap enlarges it. A picture that is wider than
+a telephone scrolls sideways in a box of its own, in the width at which its letters can be read.
+Names in code may break after an underscore, a dot and a slash, and not within a word.
 """
 
 from __future__ import annotations

@@ -4,6 +4,8 @@ index, and its words.
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from tests.documents.pages import ROOT, extension
@@ -91,12 +93,8 @@ def test_pages_of_frequent_words_are_expected_among_two_results():
     } <= set(heads)  # fmt: skip
     for word, page in heads.items():
         text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
-        entries = [
-            entry.strip(" !")
-            for line in text.splitlines()
-            if line.startswith("```{index}")
-            for entry in line.removeprefix("```{index}").split(",")
-        ]
+        lines = re.findall(r"^```\{index\} (.*)$", text, re.MULTILINE)
+        entries = [entry.strip(" !") for entry in ",".join(lines).split(",")]
         assert word in entries, f"{page} has no entry of the index for {word}"
 
 
