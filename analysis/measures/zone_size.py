@@ -476,7 +476,7 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
         names = _names(summary.get("wave_returned") or (), periodic)
         wave = "wave" if IMAGES in names else "reflection"
         microseconds = 1e6 * summary["wave_return_s"]
-        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} us)"
+        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} µs)"
         found.append(
             f"up to {100 * share:.3g} % of the plastic dissipation occurred after {arrival}"
         )
