@@ -14,6 +14,7 @@ from tests.documents.pages import extension
 extension("results_chosen")
 QUANTITIES = extension("results_quantities")
 STORE = extension("results_stored")
+extension("results_notes")
 extension("results_rows")
 PANELS = extension("results_panels")
 extension("results_picture")
