@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from results_rows import KINDS, beyond, excess, holds, ours_text, reference_text
+from results_rows import KINDS, beyond, excess, holds, ours_text, reference_text, without_power
 from results_stored import ROOT, row_of
 
 from granwave.analysis.document.model import significant
@@ -93,16 +93,15 @@ def _filled(field: re.Match[str], suite: Mapping[str, Any]) -> str:
 
 
 def _first(suite: Mapping[str, Any], study: str, start: str) -> Row:
-    """Return the first row with a value of ours and a reference whose quantity begins with a text.
-
-    Rows of ours alone come last.
+    """Return the first row whose quantity begins with a text, with a source rather than theory, and
+    with theory rather than a verification.
     """
     rows = [row for name, row in _rows(suite) if name == study and row.quantity.startswith(start)]
     if not rows:
         raise ValueError(f"found no row {start!r} in the study {study}")
-    return min(rows, key=lambda row: row.kind == "alone")
+    return min(rows, key=lambda row: list(KINDS).index(row.kind))
 
 
 def _percent(off: float) -> str:
     """Return a deviation in per cent with two digits."""
-    return f"{significant(100 * off, 2)} %"
+    return f"{without_power(significant(100 * off, 2))} %"

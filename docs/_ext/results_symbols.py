@@ -16,6 +16,7 @@ _FORMULAS = {
     "pi D^3/6": r"$\pi D^3/6$",
     "pi D³/6": r"$\pi D^3/6$",
     "F_y alpha_y": r"$F_y \alpha_y$",
+    "(x/R*) F/(E*R*^2 I)": r"$(x/R^*)\,F/(E^* R^{*2} I)$",
     "E*R*^2 tau": r"$E^* R^{*2} \tau$",
     "E*R*^2 I": r"$E^* R^{*2} I$",
     "E* R*^2": "$E^* R^{*2}$",
@@ -38,6 +39,22 @@ _FORMULAS = {
     "sqrt(1 - beta)": r"$\sqrt{1 - \beta}$",
     "sqrt(m_b/k_bb)": r"$\sqrt{m_b/k_{bb}}$",
     "sqrt(k_bb/m_b)": r"$\sqrt{k_{bb}/m_b}$",
+    "tau* = D sqrt(rho/sigma_y)": r"$\tau^* = D\sqrt{\rho/\sigma_y}$",
+    "D sqrt(rho/sigma_y)": r"$D\sqrt{\rho/\sigma_y}$",
+    "sqrt(m/sigma_y)": r"$\sqrt{m/\sigma_y}$",
+    "e_T/e_0T": "$e_T/e_{0T}$",
+    "k ~ sigma_y R*": r"$k \sim \sigma_y R^*$",
+    "tau*": r"$\tau^*$",
+    "f_r": "$f_r$",
+    "sqrt(8/15)": r"$\sqrt{8/15}$",
+    "cos^4": r"$\cos^4$",
+    "cos^2.5": r"$\cos^{2.5}$",
+    "2 delta tan(theta)": r"$2 \delta \tan\theta$",
+    "eta_hat": r"$\hat{\eta}$",
+    "n eps^3/A^2 (w_1'^2 + u_1'^2)": r"$n \epsilon^3/A^2\,(w_1'^2 + u_1'^2)$",
+    "c^2 w''": "$c^2 w''$",
+    "k_w": "$k_w$",
+    "a = 2 delta/D": r"$a = 2\delta/D$",
     "k_w/k_bb": "$k_w/k_{bb}$",
     "4 (k_t - F/d)/m": "$4(k_t - F/d)/m$",
     "4 k_t l^2/I": "$4 k_t l^2/I$",
@@ -83,6 +100,13 @@ _ON_PAGE = re.compile(
     rf"(?P<kept>`[^`]*`|\]\([^)]*\)|(?<!\\)\$[^$]*(?<!\\)\$)"
     rf"|(?<![\w$\\^_./])(?P<symbol>{_WORDS})(?![\w^*]|\\\*|\\_)"
 )
+#: A power of one letter or number, and a square root of one letter.
+_ON_PAGE_TOO = re.compile(
+    r"(?P<kept>`[^`]*`|\]\([^)]*\)|(?<!\\)\$[^$]*(?<!\\)\$)"
+    r"|(?<![\w$\\])(?P<base>[A-Za-z]|\d+)\^(?:\((?P<fraction>-?[\d/]+)\)|(?P<number>\d+(?:\.\d+)?))"
+    r"|(?<=layers)\^(?P<of_word>\d+(?:\.\d+)?)"
+    r"|sqrt\((?P<letter>\w)\)"
+)
 _OF_ESCAPED = {escaped(word): formula for word, formula in _FORMULAS.items()}
 _PLAIN = ("#", "![", ":::", "```")  # starts of lines without formulas
 
@@ -90,16 +114,24 @@ _POWER = r"(?P<mantissa>-?\d+(?:\.\d+)?)e(?P<power>[+-]?\d+)"
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: ""}
 _PRESSURES = re.compile(rf"{_POWER} Pa(?!\w)")
 _PRESSURE_RANGE = re.compile(rf"{_POWER}(?= to (?:-?\d+(?:\.\d+)?)e(?:[+-]?\d+) Pa)")
-_PLAIN_POWER = re.compile(rf"(?<![\w.^]){_POWER}(?![\w.])")
+_PLAIN_POWER = re.compile(rf"(?<![\w.^]){_POWER}(?!\w|\.\d)")
+_UNITS = (
+    (re.compile(r"(?<=\d )u(?=[ms]\b)"), "µ"),
+    (re.compile(r"\bkg/m3\b"), "kg/m³"),
+    (re.compile(r"\bg/m3\b"), "g/m³"),
+    (re.compile(r"\bJ/N\^2"), "J/N²"),
+)
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LARGEST = 5  # power of ten of numbers that are written out
 _GROUPED = 10000  # from which on digits are grouped
 
 
 def readable_numbers(text: str) -> str:
-    """Return a text with ``1 MPa`` for ``1e+06 Pa``, and ``3790`` for ``3.79e+03``."""
+    """Return a text with ``1 MPa`` for ``1e+06 Pa``, ``3790`` for ``3.79e+03``, ``µm`` for ``um``."""
     text = _PRESSURE_RANGE.sub(_pressure, text)
     text = _PRESSURES.sub(_pressure, text)
+    for pattern, unit in _UNITS:
+        text = pattern.sub(unit, text)
     return _PLAIN_POWER.sub(_number, text)
 
 
@@ -123,10 +155,23 @@ def _number(found: re.Match[str]) -> str:
 def with_formulas(page: str) -> str:
     """Return a page of Markdown with formulas for symbols, except in headings and figures."""
     lines = page.split("\n")
-    return "\n".join(
-        line if line.startswith(_PLAIN) else _ON_PAGE.sub(_formula, line) for line in lines
-    )
+    return "\n".join(line if line.startswith(_PLAIN) else _typeset(line) for line in lines)
 
 
 def _formula(found: re.Match[str]) -> str:
     return found["kept"] or _OF_ESCAPED[found["symbol"]]
+
+
+def _typeset(line: str) -> str:
+    """Return a line with formulas for its symbols, powers and roots."""
+    return _ON_PAGE_TOO.sub(_power_or_root, _ON_PAGE.sub(_formula, line))
+
+
+def _power_or_root(found: re.Match[str]) -> str:
+    if found["kept"]:
+        return found["kept"]
+    if found["letter"]:
+        return rf"$\sqrt{{{found['letter']}}}$"
+    if found["of_word"]:
+        return f"$^{{{found['of_word']}}}$"
+    return f"${found['base']}^{{{found['fraction'] or found['number']}}}$"

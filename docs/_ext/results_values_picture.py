@@ -44,7 +44,10 @@ _SUBTITLE_CHARACTERS = 17.5
 _NAME_CHARACTERS = 17.0  # of the name of a curve
 
 #: Rule of the choice of panels and rows, in `results_panels`.
-_CHOICE = ": quantities that can share an axis, those with most values of sources first, and few of one study"
+_CHOICE = (
+    ": at most eight groups of values with the same quantity or unit, first the groups with most "
+    "values of sources, from as many studies as possible"
+)
 _NARROW = 3  # curves in a panel of one column
 _UNITS = {"": "dimensionless", "1e-3": "10⁻³", "us": "µs"}
 _BLACK = "#222222"
