@@ -12,9 +12,12 @@ from granwave.analysis.figures.style import style
 from tests.documents.pages import extension
 
 extension("results_chosen")
+extension("results_stored")
+extension("results_notes")
+extension("results_rows")
+extension("results_symbols")
 QUANTITIES = extension("results_quantities")
 STORE = extension("results_stored")
-extension("results_rows")
 PANELS = extension("results_panels")
 extension("results_picture")
 extension("results_axes")
@@ -70,7 +73,17 @@ def suite(*rows, title="Study"):
         (
             "Test 5, rebound at incidence 2.01, steel",
             "Test 5 rebound",
-            {"incidence {}": (2.01,), "steel": ()},
+            {"incidence {}": (2.01,), "steel": (), "one spring": ()},
+        ),
+        (
+            "Test 5, rebound of finite elements at incidence 1.19, partial slip",
+            "Test 5 rebound",
+            {"incidence {}": (1.19,), "finite elements": (), "partial slip": ()},
+        ),
+        (
+            "Spin measured at 5.9 degrees, oxide, partial slip",
+            "Spin",
+            {"{} degrees": (5.9,), "measured": (), "oxide": (), "partial slip": ()},
         ),
     ],
 )
