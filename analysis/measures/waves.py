@@ -16,8 +16,9 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.measures.first_pulse import bead_arrivals, has_recorded_chain
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
-from granwave.analysis.measures.signals import Array, arrivals
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
@@ -294,36 +295,15 @@ def wave_speed_of(result: Result) -> float | None:
     load = result.case.load
     if has_parallel_cylinders(result) or load.way[2] <= 0 or load.keeps_oscillating:
         return None
-    if result.case.precompression is None:
-        return wave_speed(*front_arrivals(result), diameter)
-    if "chain" not in result:
+    if result.case.precompression is not None and not has_recorded_chain(result):
         return None
-    rise = result["chain/contact_force"] - result["chain/contact_force"][0]
-    if not rise.size:  # a single bead
-        return None
-    largest = rise.max(axis=0)
-    passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
-    arrival = np.where(passed, arrivals(result["chain/time"], rise, ARRIVED * largest), np.nan)
-    return wave_speed(
-        *first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter),
-        diameter,
-    )
+    return wave_speed(*front_arrivals(result), diameter)
 
 
 def has_parallel_cylinders(result: Result) -> bool:
     """Return True for a packing of parallel cylinders: its front spreads without a limit."""
     axes = [shape.axis if shape else None for shape in result.assembly.shapes]
     return result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
-
-
-def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array, Array]:
-    """Return the depth of the layers of spheres (n_spheres,), m, and the earliest arrival at each,
-    s; inf: never.
-    """
-    mean, layer = layers(depth, np.array([diameter / 2]), diameter)
-    first = np.full(len(mean), np.inf)
-    np.fmin.at(first, layer, arrival)
-    return mean, first
 
 
 def front_arrivals(result: Result) -> tuple[Array, Array]:
@@ -350,6 +330,8 @@ def arrivals_of_groups(result: Result, group: NDArray[np.integer], n_groups: int
     group
         Group of each sphere, from 0; below 0: none. (n_spheres,).
     """
+    if has_recorded_chain(result):
+        return _earliest_of_beads(result, group, n_groups)
     largest = np.zeros(n_groups)
     for i, j, force in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
         for ends in (i, j):
@@ -359,12 +341,24 @@ def arrivals_of_groups(result: Result, group: NDArray[np.integer], n_groups: int
     least = np.maximum(ARRIVED * largest, _REACHES * largest.max(initial=0.0))
     last = (1 - _SAME_TIME) * float(result["energy/time"][-1])
     first = np.full(n_groups, np.inf)
+    of_fallen = np.full(n_groups, np.inf)  # at contacts whose force is not largest at the end
     names = ("i", "j", "peak_force", "time_first", "time_peak")
     for i, j, force, arrival, peak in result.blocks(*(f"contacts/{name}" for name in names)):
         for ends in (i, j):
             there = group[result.rows(ends)]
-            counts = (there >= 0) & (force > 0) & (force >= least[there]) & (peak < last)
+            counts = (there >= 0) & (force > 0) & (force >= least[there])
             np.fmin.at(first, there[counts], arrival[counts])
+            counts &= peak < last
+            np.fmin.at(of_fallen, there[counts], arrival[counts])
+    latest = of_fallen.max(initial=0.0, where=np.isfinite(of_fallen))
+    return np.where(first <= latest, first, np.inf)
+
+
+def _earliest_of_beads(result: Result, group: NDArray[np.integer], n_groups: int) -> Array:
+    """Return the earliest arrival at the beads of each group: (n_groups,), s; inf: never."""
+    first = np.full(n_groups, np.inf)
+    inside = group >= 0
+    np.fmin.at(first, group[inside], bead_arrivals(result)[inside])
     return first
 
 

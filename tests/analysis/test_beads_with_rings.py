@@ -8,7 +8,8 @@ import pytest
 import granwave as gw
 from granwave.analysis.figures.peak_force_depth import peak_force_depth
 from granwave.analysis.figures.style import style
-from granwave.analysis.measures.beads import bead_peaks, beads_on_axis, crest_speed
+from granwave.analysis.measures.bead_wave import crest_speed
+from granwave.analysis.measures.beads import bead_peaks, beads_on_axis
 from granwave.analysis.measures.force_decay import ForceDecay, force_decay
 from granwave.analysis.measures.layer_peaks import layer_peaks
 from granwave.analysis.reports.answer import in_words
