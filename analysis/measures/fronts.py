@@ -2,10 +2,10 @@
 line through them.
 
 Lines are the beads of a chain, or in a packing the grain of each layer that is nearest to the axis
-of the load; and the straight lines of grains ``[[line]]`` of the case. The wave arrives at a grain
-as contacts record it (see `granwave.analysis.measures.waves`), in a chain under static load once
-the speed of the bead first passes 10 % of its largest, at a grain of a ``[[line]]`` as in
-`granwave.analysis.measures.lines`.
+of the load; and the straight lines of grains ``[[line]]`` of the case. The wave arrives at a bead
+of a chain with its first pulse (see `granwave.analysis.measures.first_pulse`), at a grain of a
+packing as contacts record it (see `granwave.analysis.measures.waves`), at a grain of a ``[[line]]``
+as in `granwave.analysis.measures.lines`.
 
 The line through the arrivals is a least-squares fit of position against time. Along the load it
 uses the arrivals of `granwave.analysis.measures.waves.wave_speed`: the deeper half, without the

@@ -224,8 +224,7 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
 def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
     """Speed of the front of the wave into the depth: slope of depth against arrival, by layers.
 
-    The front is at a layer when the force of a contact there first passes 10 % of the largest
-    force of that contact. The slope is a least-squares fit to the deeper half of the layers that
+    The front is at a layer as `front_arrivals` defines it. The slope is a least-squares fit to the deeper half of the layers that
     were reached, without the five uppermost layers, where the wave develops its shape. The
     reflection from the bottom does not affect it, unlike the times of peak forces. The first
     nonzero force is not a suitable measure: ahead of a wave in Hertzian contacts the overlap falls
@@ -278,13 +277,10 @@ def fitted_layers(mean: Array, first: Array, diameter: float) -> tuple[Array, Ar
 def wave_speed_of(result: Result) -> float | None:
     """Speed of the wave into the depth of a run, m/s; None if it is not known, see `wave_speed`.
 
-    After precompression it is known only in a chain with recorded forces: there the front is at a
-    contact once its force has risen by 10 % of its largest rise, if the rise was complete before
-    the end of the run. For weak waves in a chain of Hertz contacts this speed is 3 % above the
+    After precompression it is known only in a chain with recorded forces. For weak waves in a chain of Hertz contacts this speed is 3 % above the
     speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
 
-    None for loads that keep oscillating: the largest force of a bead may occur at any time, and
-    later in beads that absorb. A burst passes once.
+    None for loads that keep oscillating: they have no front of one height. A burst passes once.
 
     None for a load that does not push down: its wave does not start at the top.
 
@@ -310,10 +306,12 @@ def front_arrivals(result: Result) -> tuple[Array, Array]:
     """Return the depth of each layer, m, and the arrival time of the wave front, s; inf if it never
     arrived.
 
-    The front arrives with the earliest arrival at a contact that carries at least 10 % of the
-    largest force of the layer. Contacts do not count if their force still rises at the end of the
-    run, so that their largest force is not known, or if they carry less than 1e-4 of the largest
-    force of all: grains that touch overlap by the rounding of their coordinates.
+    At a bead of a chain with recorded forces it arrives with the first pulse, see
+    `granwave.analysis.measures.first_pulse`. In other packings it arrives with the earliest arrival
+    at a contact that carries at least 10 % of the largest force of the layer. Layers whose arrival
+    is later than at all contacts that have passed their largest force do not count: the wave may
+    still rise there. Contacts do not count if they carry less than 1e-4 of the largest force of
+    all: grains that touch overlap by the rounding of their coordinates.
     """
     mean, layer = _layers_of(result, result.case.packing.diameter)
     return mean, arrivals_of_groups(result, layer, len(mean))
