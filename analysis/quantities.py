@@ -447,7 +447,8 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
                   "first exceeds 10 % of its largest value. Requires at least nine layers. Null for "
                   "parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
-             note="Velocity along the impact or load.direction; negative after a rebound."),
+             note="Velocity along the impact or load.direction; negative after a rebound. With "
+                  "strikers, the velocity of the moving striker."),
     Quantity("restitution", digits=".5g", axis="Coefficient of restitution", symbol="e",
              meaning="Coefficient of restitution: relative normal velocity of the two bodies "
              "after the impact divided by the relative normal velocity before it.",
