@@ -46,7 +46,12 @@ def _values(comparison: Comparison) -> str:
     """Return the table of the values that differ most."""
     from granwave.analysis.reports.comparison.values import shown_values
 
-    values = shown_values(comparison.values, _MOST_VALUES, asked=bool(comparison.quantities))
+    values = shown_values(
+        comparison.values,
+        _MOST_VALUES,
+        asked=bool(comparison.quantities),
+        stated=comparison.stated_names,
+    )
     if not values:
         return ""
     names = [_cut(run.name) for run in comparison.runs]

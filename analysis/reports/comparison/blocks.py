@@ -92,7 +92,12 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
 
 def value_table(comparison: Comparison) -> DocumentTable:
     """Return the table of values; for many runs the smallest and the largest of each value."""
-    values = shown_values(comparison.values, _MOST_VALUES, asked=bool(comparison.quantities))
+    values = shown_values(
+        comparison.values,
+        _MOST_VALUES,
+        asked=bool(comparison.quantities),
+        stated=comparison.stated_names,
+    )
     if len(comparison.runs) > MOST_SIDE_BY_SIDE:
         return _ranges(comparison.runs, values)
     heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]

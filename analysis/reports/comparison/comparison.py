@@ -49,6 +49,7 @@ from granwave.analysis.reports.comparison.subjects import (
 )
 from granwave.analysis.reports.comparison.value_words import (
     equal_in_figures,
+    named_values,
     partial_note,
     sentence,
     truncation_note,
@@ -188,14 +189,23 @@ class Comparison:
         """Sentences in their order on a page: on a measured curve, the protection, and the other
         values that differ most.
         """
-        rankings = self._rankings
-        stated = tuple(chain.from_iterable(ranking.names for ranking in rankings))
-        differences = self._differences_in_words(stated)
-        sentences = [ranking.sentence for ranking in rankings]
+        differences = self._differences_in_words(self._ranked_names)
+        sentences = self.protection
         scatter = scatter_sentence(self._finished) if differences or sentences else ""
         inputs = self._inputs_of_kinds if differences or sentences else ""
         paragraphs = [*self.measured_sentences, inputs, *sentences, differences, scatter]
         return [text for text in paragraphs if text]
+
+    @property
+    def _ranked_names(self) -> tuple[str, ...]:
+        """Names of the values that the sentences on the protection state."""
+        return tuple(chain.from_iterable(ranking.names for ranking in self._rankings))
+
+    @property
+    def stated_names(self) -> frozenset[str]:
+        """Names of the values that sentences state, which tables have first."""
+        names = self._ranked_names
+        return frozenset([*names, *named_values(self._finished_values, names)])
 
     @property
     def _inputs_of_kinds(self) -> str:

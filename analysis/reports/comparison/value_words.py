@@ -47,9 +47,9 @@ def sentence(
     stated
         Names of values that other sentences state.
     """
-    compared = [value for value in values if (value.is_complete if asked else value.is_main)]
-    others_stated = any(value.name in stated for value in compared)
-    compared = [value for value in compared if value.name not in stated]
+    main = _main_values(values, asked=asked)
+    others_stated = any(value.name in stated for value in main)
+    compared = [value for value in main if value.name not in stated]
     other = "other " if others_stated else ""
     different = differing_values(compared)
     if not different:
@@ -57,7 +57,7 @@ def sentence(
             return ""
         return _without_difference(values, compared, runs, asked=asked)
     is_truncated = any(value.is_cut for value in values)
-    distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
+    distinct = _distinct_values(different)
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
         results = f"{other}results {_ALL_COMPLETE}" if is_truncated else f"{other}results"
@@ -72,6 +72,22 @@ def sentence(
     if not others:
         return text
     return f"{text} Further differences: {'; '.join(others)}."
+
+
+def named_values(values: Sequence[ComparedValue], stated: Collection[str] = ()) -> list[str]:
+    """Return the names of the values that `sentence` states; parameters as there."""
+    compared = [value for value in _main_values(values) if value.name not in stated]
+    return [value.name for value in of_families(_distinct_values(differing_values(compared)))]
+
+
+def _main_values(values: Sequence[ComparedValue], *, asked: bool = False) -> list[ComparedValue]:
+    """Return the values that a sentence may compare."""
+    return [value for value in values if (value.is_complete if asked else value.is_main)]
+
+
+def _distinct_values(different: Sequence[ComparedValue]) -> list[ComparedValue]:
+    """Return the values that differ by enough for a sentence."""
+    return [value for value in different if value.spread > _HARDLY and not value.is_negligible]
 
 
 def _agreement(value: ComparedValue) -> str:

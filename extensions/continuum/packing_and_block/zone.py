@@ -102,7 +102,8 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
             markers = "Open markers, here all of packings"
         caption = (
             "Size of the plastic zone: extent of 50, 90 and 99 % of the plastic dissipation, in "
-            "packings and blocks of the reference material with one impacted sphere. "
+            "packings and blocks of the reference material with one impacted sphere. Depths and "
+            "radii are those of whole layers and shells, not interpolated. "
             f"{markers}: the zone reaches a boundary"
         )
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
@@ -144,7 +145,8 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         *numeric("Dissipated after reflections returned"),
     )
     caption = (
-        "Plastic zone: extent with 50, 90 and 99 % of the plastic dissipation, and total extent"
+        "Plastic zone: extent with 50, 90 and 99 % of the plastic dissipation (whole layers and "
+        "shells, not interpolated), and total extent"
     )
     yield table_of(caption, columns, map(_row, rows), sortable=True)
     is_open = [
