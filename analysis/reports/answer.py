@@ -54,7 +54,7 @@ from granwave.analysis.reports.sentences import by_part, printed, sentences, sha
 from granwave.analysis.reports.setting import is_chain, origin_of, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import VariedKey
-from granwave.analysis.scans.means import NOT_FINAL, WORTH, Means
+from granwave.analysis.scans.means import WORTH, Means
 from granwave.analysis.summary_table import has_no_pairs
 from granwave.lammps_inputs.case.added_grains import has_added_to_chain
 from granwave.lammps_inputs.errors import GranwaveError
@@ -288,14 +288,11 @@ def _crossed(means: Means, main: str) -> DocumentTable:
 
 
 def _mean(means: Means, name: str, row: int, size: float) -> Cell:
-    """Return the mean of a quantity with its interval, in a unit of a size; marked if the end of a
-    run limits it.
-    """
+    """Return the mean of a quantity with its interval, in a unit of a size, with its marks."""
     mean = in_unit(means.values[name][row], size)
     cell = spread_cell(mean, in_unit(means.half_widths[name][row], size))
-    if not means.is_limited(name, row):
-        return cell
-    return dataclasses.replace(cell, text=f"{cell.text} {NOT_FINAL}")
+    marks = means.marks(name, row)
+    return dataclasses.replace(cell, text=f"{cell.text} {marks}") if marks else cell
 
 
 def _column(key: VariedKey, means: Means) -> TableColumn:

@@ -35,6 +35,7 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
+from granwave.analysis.measures.law_range import is_beyond_law
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, SIZES_BY_LAYERS, report_columns
 from granwave.analysis.reports.comparison.compared_value import MARK, PARTIAL, marked
@@ -336,6 +337,7 @@ def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cel
         return Cell("")
     value = summary.get(key)
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
+    noted |= is_beyond_law(key, summary)
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
     if isinstance(value, list):
         value = bounds_in_words(value, periodic=summary.get(PERIODIC_SIDES))

@@ -70,6 +70,7 @@ def _values(comparison: Comparison) -> str:
 def _number(value: ComparedValue, place: int) -> str:
     """Return a value of the run at a position, with a mark if the end of the run truncates it."""
     from granwave.analysis.formatting.numbers import interval
+    from granwave.analysis.measures.law_range import BEYOND_LAW
     from granwave.analysis.reports.comparison.compared_value import MARK
 
     number = value.values[place]
@@ -77,7 +78,8 @@ def _number(value: ComparedValue, place: int) -> str:
         return ""
     if error := value.error_at(place):
         return interval(number, error)
-    return f"{number:.5g}{MARK if place in value.marked_places else ''}"
+    beyond = f" {BEYOND_LAW}" if place in value.beyond_law else ""
+    return f"{number:.5g}{MARK if place in value.marked_places else ''}{beyond}"
 
 
 def _ratio(value: ComparedValue) -> str:

@@ -48,6 +48,7 @@ from granwave.analysis.reports.comparison.subjects import (
     names_with_cases,
 )
 from granwave.analysis.reports.comparison.value_words import (
+    beyond_law_note,
     equal_in_figures,
     named_values,
     partial_note,
@@ -508,6 +509,8 @@ class Comparison:
         limits = self._unlike_ends()
         if partial := partial_note(self.values, [run.name for run in self.runs]):
             limits.append(partial)
+        if beyond := beyond_law_note(self.runs):
+            limits.append(beyond)
         if len(self.runs) >= LEAST_RUNS:
             definitions = definition_notes(self.runs, self._names_compared)
             limits += limit_notes(self.runs, self._names_compared)

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Sequence
 from granwave.analysis.document.model import label_of, unit_of_value
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.measures.law_range import is_beyond_law
 from granwave.analysis.measures.zone_resolution import error_of
 from granwave.analysis.quantities import SIZES_BY_LAYERS, quantities, report_columns
 from granwave.analysis.reports.comparison.compared_value import (
@@ -244,6 +245,9 @@ def _value(
         incomplete=incomplete,
         is_unresolved=is_unresolved,
         errors=tuple(error_of(name, run.run.summary) for run in runs),
+        beyond_law=frozenset(
+            place for place, run in enumerate(runs) if is_beyond_law(name, run.run.summary)
+        ),
     )
 
 
