@@ -622,6 +622,14 @@ def all_scan_figures() -> dict[str, str]:
     }
 
 
+#: Sizes of the plastic zone that change by whole layers, with the sizes interpolated between
+#: layers, which sentences and short tables give.
+SIZES_BY_LAYERS = {
+    "zone_depth_90_m": "zone_depth_90_interpolated_m",
+    "zone_radius_90_m": "zone_radius_90_interpolated_m",
+}
+
+
 def scan_figures(there: Container[str]) -> dict[str, str]:
     """Return the quantities of figures of a scan by the names of figures, of a scan whose summaries
     have the values ``there``.
