@@ -75,7 +75,7 @@ plugin: $(VENV)/linked
 	@$(BIN)/cmake --install $(BUILD) --prefix $(SITE)/granwave >/dev/null
 
 package: $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet markdown-it-py
+	$(BIN)/python -m pip install --quiet markdown-it-py mdit-py-plugins
 	$(BIN)/python plugins/package/make_package.py $(if $(LMP),--lmp $(LMP)) $(if $(LAMMPS),--into $(LAMMPS))
 
 demo: $(READY)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from markdown_it import MarkdownIt
 from markdown_it.tree import SyntaxTreeNode
+from mdit_py_plugins.dollarmath import dollarmath_plugin
 from other_commands import MARK, other_commands
 
 _UNDERLINES = {"h1": "=", "h2": '"', "h3": "^"}
@@ -48,8 +49,8 @@ def _join(parts: list[str]) -> str:
     """Parts of a line, those with markup apart from letters next to them by an escaped space."""
     line = ""
     for part in parts:
-        opens = re.match(r"[*`:]", part) and re.search(r"[^\s'\"(\[{<\-/:]$", line)
-        closes = re.search(r"(?<!\\)[*`]_?$", line) and re.match(r"[^\s'\")\]}>\-/:.,;!?\\]", part)
+        opens = re.match(r"[*`:]", part) and re.search(r"[^\s'\"(\[{<\-/:]\Z", line)
+        closes = re.search(r"(?<!\\)[*`]_?\Z", line) and re.match(r"[^\s'\")\]}>\-/:.,;!?\\]", part)
         if opens or closes:
             line += r"\ "
         line += part
@@ -72,7 +73,8 @@ class _Page:
         self.section = ""
         text = _MEMBER.sub(lambda m: m.expand(_PACKAGE) + (" It" if m["end"] != "." else ""), text)
         text = re.sub(r"`plugins/(?:laws|kernels)/(\w+)\.h`", r"`src/GRANWAVE/granwave_\1.h`", text)
-        self.root = SyntaxTreeNode(MarkdownIt("commonmark").enable("table").parse(text))
+        markdown = MarkdownIt("commonmark").enable("table").use(dollarmath_plugin)
+        self.root = SyntaxTreeNode(markdown.parse(text))
 
     def __str__(self) -> str:
         return "\n".join(self.blocks(self.root)).rstrip() + "\n"
@@ -113,6 +115,12 @@ class _Page:
         text = re.sub("<(.*?)>", r"*\1*", _escape(words))
         return f".. parsed-literal::\n\n{textwrap.indent(text, '   ')}"
 
+    def block_math_block(self, node: SyntaxTreeNode) -> str:
+        # split cannot be nested, and Sphinx sets formulas of several lines in a split of its own
+        formula = node.content.strip().replace("{split}", "{aligned}")
+        lines = [f"   {line.strip()}" for line in formula.splitlines()]
+        return "\n".join([".. math::", "", *lines, ""])
+
     def block_bullet_list(self, node: SyntaxTreeNode) -> str:
         items = []
         for item in node.children:
@@ -139,6 +147,9 @@ class _Page:
     def inline_code_inline(self, node: SyntaxTreeNode) -> str:
         page = _page_of(node.content) if self.section == "Related commands" else None
         return f":doc:`{node.content} <{page}>`" if page else f"``{node.content}``"
+
+    def inline_math_inline(self, node: SyntaxTreeNode) -> str:
+        return f":math:`{node.content}`"
 
     def inline_em(self, node: SyntaxTreeNode) -> str:
         return f"*{_escape(self.plain(node))}*"

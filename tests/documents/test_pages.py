@@ -191,6 +191,16 @@ def known_directories(page: Path) -> set[str]:
     }
 
 
+def test_no_line_of_text_is_a_comment():
+    """A percent sign at the beginning of a line makes it a comment, which the site leaves out."""
+    comments = []
+    for page in [*PAGES, *(ROOT / "plugins" / "doc").glob("*.md")]:
+        text = page.read_text(encoding="utf-8")
+        text = re.sub(r"(?ms)^ *(```+|~~~+|:::+).*?^ *\1$", "", text)
+        comments += [(page.name, line) for line in re.findall(r"(?m)^ *%.*$", text)]
+    assert comments == []
+
+
 def test_targets_of_make_exist():
     targets = set(
         re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
