@@ -442,11 +442,13 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
              phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
              note="Speed of the wave front in the deeper half of the layers that the wave reached "
-                  "in the run, for any materials. The front reaches a contact when its force first "
-                  "exceeds 10 % of its largest value. Requires at least nine layers. Null for "
+                  "in the run, for any materials. The front reaches a bead of a chain when the force "
+                  "first exceeds 10 % of its first pulse, a contact of a packing when the force "
+                  "first exceeds 10 % of its largest value. Requires at least nine layers. Null for "
                   "parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
-             note="Velocity along the impact or load.direction; negative after a rebound."),
+             note="Velocity along the impact or load.direction; negative after a rebound. With "
+                  "strikers, the velocity of the moving striker."),
     Quantity("restitution", digits=".5g", axis="Coefficient of restitution", symbol="e",
              meaning="Coefficient of restitution: relative normal velocity of the two bodies "
              "after the impact divided by the relative normal velocity before it.",
@@ -618,6 +620,14 @@ def all_scan_figures() -> dict[str, str]:
     return SCAN_FIGURES | {
         entry.scan_figure: entry.name for entry in entries() if entry.scan_figure
     }
+
+
+#: Sizes of the plastic zone that change by whole layers, with the sizes interpolated between
+#: layers, which sentences and short tables give.
+SIZES_BY_LAYERS = {
+    "zone_depth_90_m": "zone_depth_90_interpolated_m",
+    "zone_radius_90_m": "zone_radius_90_interpolated_m",
+}
 
 
 def scan_figures(there: Container[str]) -> dict[str, str]:
