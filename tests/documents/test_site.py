@@ -216,6 +216,12 @@ def test_formulas_of_pages_become_mathml_without_rests_of_tex():
             assert mathml_of(formula, "block").startswith("<math"), name
 
 
+def test_bars_of_a_magnitude_are_fences():
+    pytest.importorskip("latex2mathml", reason="make docs installs it")
+    mathml = extension("mathml").mathml_of(r"a - \lvert x\rvert", "inline")
+    assert re.findall(r'form="(\w+)">&#x0007C;', mathml) == ["prefix", "postfix"]
+
+
 @pytest.mark.parametrize("formula, rest", [
     (r"\begin{aligned} F &= 1 \\ G &= 2 \end{aligned}", "&"),
     (r"a & b", "&"),
