@@ -178,7 +178,9 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
     """
     heads = ("quantity", "compared with", "value", "granwave", "difference")
     text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    entries = [(number, name, row) for number, (name, rows) in enumerate(lines) for row in rows]
+    entries: list[tuple[int, str, Row]] = []
+    for number, (name, rows) in enumerate(lines):
+        entries += [(number, name, row) for row in rows]
     _, notes = notes_of([row.remark for _, _, row in entries], above=False)
     marks = marks_of(notes)
     for (number, name, row), of_row in zip(entries, notes, strict=True):

@@ -127,7 +127,7 @@ _GROUPED = 10000  # from which on digits are grouped
 
 
 def readable_numbers(text: str) -> str:
-    """Return a text with ``1 MPa`` for ``1e+06 Pa``, ``3790`` for ``3.79e+03``, ``µm`` for ``um``."""
+    """Return a text with 1 MPa for ``1e+06 Pa``, 3790 for ``3.79e+03``, and µm for ``um``."""
     text = _PRESSURE_RANGE.sub(_pressure, text)
     text = _PRESSURES.sub(_pressure, text)
     for pattern, unit in _UNITS:
