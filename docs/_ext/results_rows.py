@@ -18,7 +18,7 @@ from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.studies.study import Row
 
 _ROUNDING = 1e-12  # relative
-_LOWER = ("at least", "more than", "Well over")  # words of a bound below
+_LOWER = ("at least", "more than", "Well over", "well above")  # words of a bound below
 _MOST_FACTOR = 1000.0  # ratio beyond which its size says nothing
 _DIGITS = 5  # of a value of a source
 _MOST_SHOWN = 4  # digits of our value that are added to show its deviation

@@ -120,6 +120,7 @@ _UNITS = (
     (re.compile(r"\bkg/m3\b"), "kg/m³"),
     (re.compile(r"\bg/m3\b"), "g/m³"),
     (re.compile(r"\bJ/N\^2"), "J/N²"),
+    (re.compile(r"(?<=\d)%"), " %"),
 )
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LARGEST = 5  # power of ten of numbers that are written out

@@ -309,6 +309,14 @@ def test_shared_sentences_of_remarks_are_one_note():
         ["At 2 N."],
         [],
     ]
+    forces = ["The force is 3 N.", "The force is 1.5 N.", "", "The force is 2 N."]
+    text = "The force is 3, 1.5, 2 N (in the order of the rows with this note)."
+    assert NOTES.notes_of(forces)[1] == [[text], [text], [], [text]]
+    assert NOTES.notes_of([*forces[:2], "From 1 to 2 N."])[1] == [
+        ["The force is 3 N."],
+        ["The force is 1.5 N."],
+        ["From 1 to 2 N."],
+    ]
     above, notes = NOTES.notes_of(["See Fig. 2. One.", "See Fig. 2. Two."])
     assert above == "See Fig. 2." and notes == [["One."], ["Two."]]
 
