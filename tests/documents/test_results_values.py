@@ -26,6 +26,8 @@ STORED = STORE.read_stored()
 FOLDER = STORE.STORED.with_suffix("")
 RESOLUTION = 200  # dots per inch, as in the files
 AGAIN = "run .venv/bin/python docs/_ext/results_table.py"
+#: Pages with the longest names and most panels: tested each time, the others as validations.
+DENSE = ("lateral", "benchmarks", "confined", "protection")
 WITH_PANELS = [name for name, suite in STORED["suites"].items() if PANELS.values_of(suite).panels]
 
 
@@ -197,7 +199,13 @@ def test_the_figure_of_values_is_of_the_stored_rows(name):
     assert f"The figure shows {page.number()} of the {page.total} values" in text
 
 
-@pytest.mark.parametrize("name", WITH_PANELS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name in DENSE else pytest.param(name, marks=pytest.mark.validation)
+        for name in WITH_PANELS
+    ],
+)
 def test_all_texts_are_inside_the_figure(name):
     """No title or label is cut off at an edge, and no title of a curve covers another."""
     with style():
