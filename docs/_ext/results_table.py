@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import results_coverage
+import results_measured_picture
 import results_picture
 import results_values_picture
 from results_chosen import CHOSEN, IN_PAPER, LABELS, MEASURED, MORE
@@ -148,6 +149,7 @@ def write_pages(stored: Mapping[str, Any]) -> None:
         if labels and is_stale(picture, part, labels):
             results_picture.draw(part, labels, picture, letters=False)
     results_values_picture.write_stale(stored, PAGES)
+    results_measured_picture.write_stale(stored)
     results_coverage.write_page(stored)
     for page, table in tables_elsewhere(stored).items():
         text = with_block(page.read_text(encoding="utf-8"), table)
@@ -165,7 +167,8 @@ def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
     """Return the tables in pages that are otherwise written by hand."""
     return {
         README: readable_numbers(table_of(chosen_rows(stored))),
-        FIRST_PAGE: readable_numbers(table_of(chosen_rows(stored, MEASURED))),
+        FIRST_PAGE: results_measured_picture.text()
+        + readable_numbers(table_of(chosen_rows(stored, MEASURED))),
         PAPER: _of_paper(stored),
     }
 
