@@ -1,4 +1,4 @@
-"""Arrivals at the first pulse: one front has one speed, whatever follows and whenever a run ends."""
+"""Arrivals at the first pulse: one front has one speed, whatever follows it."""
 
 from __future__ import annotations
 
