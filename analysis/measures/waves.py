@@ -226,12 +226,12 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
 
     The front is at a layer as `front_arrivals` defines it. The slope is a least-squares fit to the
     deeper half of the layers that were reached, without the five uppermost layers, where the wave
-    develops its shape. The reflection from the bottom does not affect it, unlike the times of peak forces. The first
-    nonzero force is not a suitable measure: ahead of a wave in Hertzian contacts the overlap falls
-    faster than exponentially, so that the rounding of the coordinates decides when it is first
-    above zero. On a chain of Hertz contacts the speed is within 2 % of the solitary wave's 0.6802
-    (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker it also becomes slower
-    and longer, and its front is faster than its peak.
+    develops its shape. The reflection from the bottom does not affect it, unlike the times of peak
+    forces. The first nonzero force is not a suitable measure: ahead of a wave in Hertzian contacts
+    the overlap falls faster than exponentially, so that the rounding of the coordinates decides
+    when it is first above zero. On a chain of Hertz contacts the speed is within 2 % of the
+    solitary wave's 0.6802 (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker
+    it also becomes slower and longer, and its front is faster than its peak.
 
     Parameters
     ----------
