@@ -392,20 +392,22 @@ def _front(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 class Mark(IntEnum):
-    """Influence of the finite packing or block on its plastic zone, or of the end of the run on
-    any value.
+    """Influence of the finite packing or block on its plastic zone, or of the end of the run or of
+    contacts beyond the range of the law on any value.
     """
 
     NONE = 0
     WAVE = 1  # a reflected wave contributed to more than `NOTED_SHARE` of the dissipation
     CUT = 2  # the zone reaches a boundary
-    END = 3  # the end of the run limits the value
+    LAW = 3  # contacts beyond the range of the law determine the value
+    END = 4  # the end of the run limits the value
 
 
 #: Text of a mark, next to a marker in a figure or a table.
 LABELS = {
     Mark.CUT: "zone reaches a boundary",
     Mark.WAVE: "reflected wave came back",
+    Mark.LAW: "contacts beyond the law",
     Mark.END: "not final at the end of the run",
 }
 
@@ -473,7 +475,7 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
         names = _names(summary.get("wave_returned") or (), periodic)
         wave = "wave" if IMAGES in names else "reflection"
         microseconds = 1e6 * summary["wave_return_s"]
-        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} us)"
+        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} µs)"
         found.append(
             f"up to {100 * share:.3g} % of the plastic dissipation occurred after {arrival}"
         )

@@ -56,6 +56,7 @@ _LINE_OF_LEGEND = 52  # longest line of a legend, characters
 _CROSS = 2.0  # size of a cross, relative to the marker below it
 _MOST_MARKED = 60  # largest number of points of a curve with markers
 _SPREAD = 30.0  # largest / smallest value above which an axis of values is logarithmic
+_CROSSES = {Mark.END: "x", Mark.LAW: "+"}
 _DECADE = 10.0  # largest / smallest value above which an axis may be logarithmic
 
 Titles = tuple[str, str]
@@ -75,7 +76,8 @@ def draw_curves(
     """Draw curves with markers and a legend above, or a colour scale if there are many curves.
 
     Points of plastic zones that reach a boundary are open, half open if a wave returned from a
-    boundary. Crosses are points of values that the end of the run limits.
+    boundary. Crosses are points of values that the end of the run limits, upright crosses points of
+    values that contacts beyond the range of the law determine.
 
     Parameters
     ----------
@@ -189,7 +191,7 @@ def draw_bars(
 
     On a logarithmic axis points are drawn instead. Bars of plastic zones that reach a boundary are
     open, pale if a wave returned from a boundary, and crossed if the end of the run limits the
-    value.
+    value, or if contacts beyond the range of the law determine it.
     """
     n_curves = points.curve.nunique()
     names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
@@ -316,14 +318,16 @@ def marked_marker(mark: Mark, marker: str, size: float, colour: Any) -> dict[str
     }
     if mark is Mark.CUT:
         return look | {"markerfacecolor": "white"}
-    if mark is Mark.END:
-        return look | {"marker": "x", "markersize": _CROSS * size, "markeredgewidth": 1.1}
+    if mark in _CROSSES:
+        marker = _CROSSES[mark]
+        return look | {"marker": marker, "markersize": _CROSS * size, "markeredgewidth": 1.1}
     return look | {"fillstyle": "left", "markerfacecoloralt": "white"}
 
 
 def _marked_fill(mark: Mark, colour: str) -> dict[str, Any]:
-    if mark is Mark.END:
-        return {"facecolor": to_rgba(colour, 0.35), "edgecolor": colour, "hatch": "xxx"}
+    if mark in _CROSSES:
+        hatch = 3 * _CROSSES[mark]
+        return {"facecolor": to_rgba(colour, 0.35), "edgecolor": colour, "hatch": hatch}
     return {
         "facecolor": "white" if mark is Mark.CUT else to_rgba(colour, 0.35),
         "edgecolor": colour,

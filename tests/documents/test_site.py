@@ -159,8 +159,20 @@ def test_pictures_are_links_and_names_break_at_separators():
     assert elements.with_linked_pictures(linked) == linked
     other_site = '<img src="https://a/b.png">'
     assert elements.with_linked_pictures(other_site) == other_site
+    wide = linked.replace('"picture"', '"picture wide" style="--readable: 660px"')
+    assert elements.with_linked_pictures(picture, {"../_images/a.webp": 1200}.get) == wide
+    assert [elements.readable_width(width) for width in (0, 450, 500, 1000, 1520)] == [
+        0, 0, 500, 600, 836,
+    ]  # fmt: skip
     code = '<code><span class="pre">area_slope</span></code> area_slope'
     assert elements.with_breaks(code) == code.replace("area_slope", "area_<wbr>slope", 1)
+
+
+def test_pages_of_notebooks_link_to_the_notebook():
+    pytest.importorskip("sphinx", reason="make docs installs it")
+    body = extension("notebook_links").with_link("<h1>A</h1><h1>B</h1>", "a.ipynb")
+    assert body.count('href="../_downloads/a.ipynb"') == 1
+    assert body.startswith("<h1>A</h1>\n<p>Download ")
 
 
 def formulas(text: str) -> list[str]:

@@ -53,7 +53,9 @@ from granwave.analysis.reports.comparison.subjects import (
     names_with_cases,
 )
 from granwave.analysis.reports.comparison.value_words import (
+    beyond_law_note,
     equal_in_figures,
+    named_values,
     partial_note,
     sentence,
     truncation_note,
@@ -196,14 +198,23 @@ class Comparison:
         """Sentences in their order on a page: on a measured curve, the protection, and the other
         values that differ most.
         """
-        rankings = self._rankings
-        stated = tuple(chain.from_iterable(ranking.names for ranking in rankings))
-        differences = self._differences_in_words(stated)
-        sentences = [ranking.sentence for ranking in rankings]
+        differences = self._differences_in_words(self._ranked_names)
+        sentences = self.protection
         scatter = scatter_sentence(self._finished) if differences or sentences else ""
         inputs = self._inputs_of_kinds if differences or sentences else ""
         paragraphs = [*self.measured_sentences, inputs, *sentences, differences, scatter]
         return [text for text in paragraphs if text]
+
+    @property
+    def _ranked_names(self) -> tuple[str, ...]:
+        """Names of the values that the sentences on the protection state."""
+        return tuple(chain.from_iterable(ranking.names for ranking in self._rankings))
+
+    @property
+    def stated_names(self) -> frozenset[str]:
+        """Names of the values that sentences state, which tables have first."""
+        names = self._ranked_names
+        return frozenset([*names, *named_values(self._finished_values, names)])
 
     @property
     def _inputs_of_kinds(self) -> str:
@@ -506,6 +517,8 @@ class Comparison:
         limits = self._unlike_ends()
         if partial := partial_note(self.values, [run.name for run in self.runs]):
             limits.append(partial)
+        if beyond := beyond_law_note(self.runs):
+            limits.append(beyond)
         if len(self.runs) >= LEAST_RUNS:
             definitions = definition_notes(self.runs, self._names_compared)
             limits += limit_notes(self.runs, self._names_compared)

@@ -20,6 +20,7 @@ from granwave.analysis.reports.comparison.curves import (
 )
 from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input, inputs_in_words
+from granwave.analysis.reports.comparison.redefined import redefinition_notes
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 from granwave.analysis.reports.kinds import ReportRun
 
@@ -69,7 +70,7 @@ def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -
     names
         Values that are compared, which limit the subjects of the sentences; empty for all.
     """
-    notes = [_inputs(runs), _static_forces(runs)]
+    notes = [_inputs(runs), _static_forces(runs), *redefinition_notes(runs, names)]
     if _concerns(names, (_PEAK_FORCE,)):
         notes += [_FORCES_OF_KINDS] if _differ_in_kind(runs, _PEAK_FORCE) else []
     if _concerns(names, (WITH_WALLS,)):

@@ -53,6 +53,21 @@ def test_a_driven_row():
     assert not {"Peak reduction", "Impacted sphere at the end"} & set(labels(run))
 
 
+def test_the_sentence_on_the_zone_is_true_of_whole_layers():
+    """90 % of the dissipation is within whole layers; less is within the interpolated depth."""
+    run = run_with(
+        energy_input_J=1.0, zone_depth_90_m=7.348e-3, zone_radius_90_m=5.196e-3,
+        zone_depth_90_interpolated_m=5.299e-3, zone_radius_90_interpolated_m=4.804e-3,
+    )  # fmt: skip
+    assert (
+        "90 % of the plastic dissipation is within 7.348 mm below the impact and 5.196 mm from its "
+        "axis (whole layers and shells); interpolated between them, the 90 % depth is 5.299 mm and "
+        "the 90 % radius 4.804 mm." in in_words(run)
+    )
+    old = run_with(energy_input_J=1.0, zone_depth_90_m=7.348e-3, zone_radius_90_m=5.196e-3)
+    assert "is within 7.348 mm below the impact and 5.196 mm from its axis." in in_words(old)
+
+
 def test_a_plate():
     run = run_with(
         energy_input_J=9.0,

@@ -15,6 +15,7 @@ from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
 
 SCATTERS = [2e-6, 5e-6, 10e-6]
 FORCE = "wall_peak_force_N"
+PEAK = "peak_force_N"
 
 
 @pytest.mark.parametrize(
@@ -174,6 +175,30 @@ def test_values_that_the_end_limits_have_no_trend(tmp_path):
     marks = drawings(ScanResult(tmp_path / "scan"))
     data = marks["bottom_peak_force_vs_packing_diameter_scatter"].columns
     assert list(data["not_final_at_the_end_of_the_run"]) == [0, 0, 1]
+
+
+def test_points_beyond_the_law_are_marked(tmp_path):
+    """The largest force is at contacts beyond the law; the force on the bottom is not of them."""
+
+    def values_of(labels):
+        velocity = labels["load.velocity"]
+        beyond = 5 if velocity == 150 else 0
+        return {PEAK: velocity, FORCE: velocity, "contacts_beyond_law": beyond}
+
+    means = means_with(tmp_path / "scan", grid(load__velocity=[20, 60, 150]), values_of)
+    assert means.sentence(PEAK).endswith(
+        "At 1 of 3 points (impact velocity 150 m/s) it is extrapolated: overlaps of contacts exceed "
+        "0.2 R*, the limit of the law."
+    )
+    assert means.range_in_words(PEAK).endswith("; extrapolated beyond the law at 1 of 3")
+    assert [means.marks(PEAK, row) for row in range(3)] == ["", "", "‡"]
+    assert means.text(PEAK, 2) == "150 ‡"
+    assert means.remark([PEAK]) == "‡ with contacts beyond the range of the law (0.2 R*)"
+    assert not means.remark([FORCE]) and "extrapolated" not in means.sentence(FORCE)
+    drawn = drawings(ScanResult(tmp_path / "scan"))
+    data = drawn["peak_force_vs_load_velocity"].columns
+    assert list(data["contacts_beyond_the_law"]) == [0, 0, 1]
+    assert "contacts_beyond_the_law" not in drawn["bottom_peak_force_vs_load_velocity"].columns
 
 
 def test_a_change_beyond_the_intervals_comes_first(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from granwave.analysis.measures.law_range import contacts_beyond_law
 from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import Quantity, quantity, scan_columns
 from granwave.analysis.scans.means import means_of
@@ -66,6 +67,12 @@ def outcome_text(outcome: ScanOutcome) -> str:
                 f"plastic zone: {label} in {count} of {len(points)} points, as marked in "
                 "figures and report\n\n"
             )
+    beyond = sum(contacts_beyond_law(point.summary) > 0 for point in points)
+    if beyond:
+        text += (
+            f"contacts beyond the range of the law (0.2 R*) in {beyond} of {len(points)} points, "
+            "as marked in figures and report\n\n"
+        )
     counts = ", ".join(f"{getattr(outcome, name)} {name}" for name in ("done", "failed", "missing"))
     there = "the table"
     if (outcome.directory / "report.html").exists():
