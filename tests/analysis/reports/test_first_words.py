@@ -68,6 +68,15 @@ def test_the_sentence_on_the_zone_is_true_of_whole_layers():
     assert "is within 7.348 mm below the impact and 5.196 mm from its axis." in in_words(old)
 
 
+def test_the_article_of_a_support():
+    def case(material):
+        bottom = {"material": {"name": material}, "plate": {"mass": 0.2}}
+        return {"packing.kind": "sc", "packing.size": [9, 9, 8], "boundary.bottom": bottom}
+
+    assert "on an aluminium plate of 0.2 kg" in setting_of(case("aluminium"))
+    assert "on a steel plate of 0.2 kg" in setting_of(case("steel"))
+
+
 def test_a_plate():
     run = run_with(
         energy_input_J=9.0,
