@@ -81,19 +81,20 @@ def actions() -> dict[str, dict[str, argparse.Action]]:
 
 def choices() -> dict[str, list[str]]:
     """Values of the options that accept only some: ``law --law``."""
-    return {
-        f"{name} {word}": sorted(map(str, action.choices))
-        for name, words in actions().items()
-        for word, action in words.items()
-        if action.choices
-    }
+    found: dict[str, list[str]] = {}
+    for name, words in actions().items():
+        limited = {word: action for word, action in words.items() if action.choices}
+        for word, action in limited.items():
+            found[f"{name} {word}"] = sorted(map(str, action.choices or ()))
+    return found
 
 
 def keys() -> list[str]:
     """Keys of all files: ``case:load.velocity``."""
-    return sorted(
-        f"{table.file}:{table.name}.{key.name}" for table in tables() for key in table.keys
-    )
+    found: list[str] = []
+    for table in tables():
+        found += [f"{table.file}:{table.name}.{key.name}" for key in table.keys]
+    return sorted(found)
 
 
 def summary_values(place: Path) -> list[str]:
