@@ -442,10 +442,10 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
              phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
              note="Speed of the wave front in the deeper half of the layers that the wave reached "
-                  "in the run, for any materials. The front reaches a bead of a chain when the force "
-                  "first exceeds 10 % of its first pulse, a contact of a packing when the force "
-                  "first exceeds 10 % of its largest value. Requires at least nine layers. Null for "
-                  "parallel cylinders."),
+                  "in the run, for any materials. The front reaches a bead of a chain when the "
+                  "force first exceeds 10 % of its first pulse, a contact of a packing when the "
+                  "force first exceeds 10 % of its largest value. Requires at least nine layers. "
+                  "Null for parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative after a rebound. With "
                   "strikers, the velocity of the moving striker."),

@@ -5,8 +5,9 @@ The first pulse has passed once the force has fallen by 1 % of its largest rise 
 pulses, which may be larger, the reflection and the end of the run do not change the arrival.
 
 Contacts record the time at which they carried 10 % of their largest force of the run. This time is
-used where the largest force is of the first pulse. Elsewhere the arrival is interpolated in the
-fourth root of the recorded force, which rises about evenly in a solitary wave.
+used where the largest force is of the first pulse, and where the records are too far apart to show
+the pulse. Elsewhere the arrival is interpolated in the fourth root of the recorded force, which
+rises about evenly in a solitary wave.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ _FALLEN = 0.01  # fraction of the peak by which the force has fallen after the f
 _LEAST = 1e-4  # fraction of the largest rise of all: the wave did not reach contacts with less
 _LEAST_STATIC = 1e-2  # the same under a static load
 _ROOT = 0.25  # power of a force that rises about evenly in a solitary wave
+_RECORDED = 0.9  # fraction of the largest force that records of a resolved pulse show
 _RIPPLE = 0.1  # fraction of that least rise: smaller maxima are no pulses
 
 
@@ -29,6 +31,7 @@ def has_recorded_chain(result: Result) -> bool:
     """Return True for a chain of beads with recorded forces of all contacts."""
     return (
         "chain" in result
+        and "chain/contact_force" in result
         and len(result["chain/id"]) == result.n_spheres
         and len(result["chain/contact_i"]) > 0
     )
@@ -51,12 +54,14 @@ def contact_arrivals(result: Result) -> Array:
     arrival = arrivals(time, rise**_ROOT, level**_ROOT)
     if is_static:
         return arrival
-    if "contacts/viscous_energy" in result:  # their times are of the force without losses
-        return arrival
     exact = result.along_chain("time_first")
-    last = time[np.minimum(end, len(time) - 1)]
-    is_exact = has_passed & (result.along_chain("time_peak") <= last) & np.isfinite(exact)
-    return np.where(is_exact, exact, arrival)
+    when = result.along_chain("time_peak")
+    largest = result.along_chain("peak_force")
+    is_coarse = rise.max(axis=0, initial=0.0) < _RECORDED * largest
+    is_exact = is_coarse & (when < time[-1]) & (largest >= _LEAST * largest.max(initial=0.0))
+    if "contacts/viscous_energy" not in result:  # otherwise their times are without losses
+        is_exact |= has_passed & (when <= time[np.minimum(end, len(time) - 1)])
+    return np.where(is_exact & np.isfinite(exact), exact, arrival)
 
 
 def first_pulse_ends(rise: Array, least: float) -> NDArray[np.int64]:

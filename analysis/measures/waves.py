@@ -224,14 +224,14 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
 def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
     """Speed of the front of the wave into the depth: slope of depth against arrival, by layers.
 
-    The front is at a layer as `front_arrivals` defines it. The slope is a least-squares fit to the deeper half of the layers that
-    were reached, without the five uppermost layers, where the wave develops its shape. The
-    reflection from the bottom does not affect it, unlike the times of peak forces. The first
-    nonzero force is not a suitable measure: ahead of a wave in Hertzian contacts the overlap falls
-    faster than exponentially, so that the rounding of the coordinates decides when it is first
-    above zero. On a chain of Hertz contacts the speed is within 2 % of the solitary wave's 0.6802
-    (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker it also becomes slower
-    and longer, and its front is faster than its peak.
+    The front is at a layer as `front_arrivals` defines it. The slope is a least-squares fit to the
+    deeper half of the layers that were reached, without the five uppermost layers, where the wave
+    develops its shape. The reflection from the bottom does not affect it, unlike the times of peak
+    forces. The first nonzero force is not a suitable measure: ahead of a wave in Hertzian contacts
+    the overlap falls faster than exponentially, so that the rounding of the coordinates decides
+    when it is first above zero. On a chain of Hertz contacts the speed is within 2 % of the
+    solitary wave's 0.6802 (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker
+    it also becomes slower and longer, and its front is faster than its peak.
 
     Parameters
     ----------
@@ -277,8 +277,9 @@ def fitted_layers(mean: Array, first: Array, diameter: float) -> tuple[Array, Ar
 def wave_speed_of(result: Result) -> float | None:
     """Speed of the wave into the depth of a run, m/s; None if it is not known, see `wave_speed`.
 
-    After precompression it is known only in a chain with recorded forces. For weak waves in a chain of Hertz contacts this speed is 3 % above the
-    speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
+    After precompression it is known only in a chain with recorded forces. For weak waves in a chain
+    of Hertz contacts this speed is 3 % above the speed of sound, D sqrt(k/m) with the contact
+    stiffness k under the static force.
 
     None for loads that keep oscillating: they have no front of one height. A burst passes once.
 

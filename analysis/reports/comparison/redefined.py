@@ -67,7 +67,7 @@ REDEFINITIONS = (
         "wave_speed_m_s",
         of_spheres=True,
         since=(1, 1),
-        words=("The wave speed", "first contact", "10 % of the largest force of a contact"),
+        words=("The wave speed", "first contact", "10 % of the force of the wave"),
     ),
     Redefinition(
         "peak_force_N",

@@ -1,4 +1,4 @@
-"""Arrivals at the first pulse: one front has one speed, whatever follows and whenever a run ends."""
+"""Arrivals at the first pulse: one front has one speed, whatever follows it."""
 
 from __future__ import annotations
 
@@ -82,6 +82,16 @@ def test_arrivals_are_at_a_tenth_of_the_first_pulse(tmp_path):
     ]
     assert found == pytest.approx(expected, abs=0.05 * (time[1] - time[0]) + 3e-8)
     assert np.count_nonzero(latest > 1.3 * np.array([when for when, _ in peaks])) > 10
+
+
+def test_speed_does_not_need_a_dense_record(tmp_path):
+    """Contacts have the time of their arrival, which is used where records are far apart."""
+    speeds = []
+    for n_records in (12, 900):
+        changes = CHAIN | CHANGES["hertz"] | {"run.end_time": 6e-4, "output.history": n_records}
+        with run(tmp_path / str(n_records), "homogeneous-chain", changes) as result:
+            speeds.append(wave_speed_of(result))
+    assert speeds[0] == pytest.approx(speeds[1], rel=1e-3)
 
 
 def test_ends_of_pulses():
