@@ -48,6 +48,7 @@ from granwave.lammps_inputs.packing.motion import start_speed
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.rounding import without_rounding
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 logger = logging.getLogger(__name__)
@@ -104,7 +105,7 @@ def summarise(
     with Result(results, at_once, assembly) as result:
         summary = summary_of(result, processes)
         summary |= _added_values(result, summary)
-    text = json.dumps(plain(summary), indent=2, allow_nan=False)
+    text = json.dumps(without_rounding(plain(summary)), indent=2, allow_nan=False)
     results.claim([SUMMARY_FILE])
     replace_text(results / SUMMARY_FILE, text + "\n")
     return json.loads(text)

@@ -53,6 +53,7 @@ from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
 from granwave.analysis.reports.setting import is_chain, origin_of, target_of
 from granwave.analysis.result.reader import Result
+from granwave.analysis.scans.headline import headline
 from granwave.analysis.scans.keys import VariedKey
 from granwave.analysis.scans.means import WORTH, Means
 from granwave.analysis.summary_table import has_no_pairs
@@ -230,7 +231,7 @@ def _of_scan(scan: ReportScan, inputs: ReportInputs, studied: Figure | None) -> 
         return pictures
     main = shown[0][1]
     name_of_scan = f"Scan {scan.label}: " if len(inputs.items) > 1 else ""
-    sentence = Note(name_of_scan + means.sentence(main), "lead")
+    sentence = Note(name_of_scan + headline(means), "lead")
     if not means.varies(main):
         return (sentence, *pictures)
     others = [key for _, key in shown[1:] if key != main][

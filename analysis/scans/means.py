@@ -52,16 +52,18 @@ _CLEAR = 0.05  # change of a quantity, relative to its largest value, that is wo
 WORTH = 1e-12  # smallest value that is not rounding
 NOT_FINAL = "†"  # mark of a value in a table that the end of a run limits
 _AIMS = (REDUCTION, "restitution", "transmission")  # values for which scans are made
-#: Quantities that come first, in this order.
-_MAIN = (
-    *_AIMS,
+_STRONG = 0.4  # change from which on quantities count as equally strong
+#: Main quantities: the one that changes most comes first, of similar or strong changes in this
+#: order.
+RANKED = (
     "dissipated_fraction",
+    "wall_peak_force_N",
     "peak_force_N",
     "peak_force_with_walls_N",
     "max_force_N",
-    "wall_peak_force_N",
-    "n_plastic_spheres",
 )
+#: Quantities that come first, in this order.
+_MAIN = (*_AIMS, *RANKED, "n_plastic_spheres")
 _OF_ZONE = ("n_plastic_", "plastic_zone_", "zone_")  # names of values of the plastic zone
 _YIELDED = "n_plastic_spheres"
 _OF_PACKING = ("packing.", "striker", "replace")  # keys whose values change a random packing
@@ -133,7 +135,9 @@ class Means:
     def quantities(self) -> list[tuple[str, str]]:
         """Return the quantities that have figures, as names of figure and value: first those for
         which scans are made and those that vary clearly, then those that vary by less than
-        `_CLEAR`, then those that vary within their confidence intervals, then constant ones.
+        `_CLEAR`, then those that vary within their confidence intervals, then constant ones. Of the
+        main quantities the one with the largest relative change comes first, and quantities that
+        the end of a run limits, or that are extrapolated beyond the law, come last.
 
         A value for which scans are made may be unknown at some points; see `is_mostly_known`.
         """
@@ -150,9 +154,29 @@ class Means:
                 is_slight = change <= _CLEAR and key not in _AIMS
                 is_limited = self.has_limited_zones and key.startswith(_OF_ZONE)
                 is_unclear = self._are_within_intervals(key, *self._ends(key))
-                order = (change <= SAME, is_unclear, is_limited, is_slight, rank)
+                own = self._rank_among_main(key, rank)
+                order = (change <= SAME, is_unclear, is_limited, is_slight, *own, rank)
                 quantities.append((*order, name, key))
         return [(name, key) for *_, name, key in sorted(quantities)]
+
+    def _rank_among_main(self, key: str, rank: int) -> tuple[int, float]:
+        """Return the order of a main quantity by its relative change; others keep their order.
+
+        Parameters
+        ----------
+        rank
+            Order of the quantity among all.
+        """
+        if key not in RANKED:
+            return (-1 if key in _AIMS else rank), 0.0
+        is_final = not self.incomplete.get(key) and not self.beyond_law.get(key)
+        change = min(self._change(key), _STRONG) if is_final else 0.0
+        return len(_AIMS), -round(change, 1)
+
+    def varies_clearly(self, name: str) -> bool:
+        """Return True if a quantity varies by more than `_CLEAR`, and than its intervals."""
+        is_within = self._are_within_intervals(name, *self._ends(name))
+        return self._change(name) > _CLEAR and not is_within
 
     def varies(self, name: str) -> bool:
         """Return True if the values of a quantity differ by more than rounding."""

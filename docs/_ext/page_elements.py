@@ -77,6 +77,8 @@ def _widths(app: Sphinx) -> Callable[[str], int]:
         if path is None or not path.is_file() or path.suffix == ".svg":
             return 0
         with Image.open(path) as picture:
+            if getattr(picture, "is_animated", False):  # the eye follows the whole of it
+                return 0
             return int(picture.width)
 
     return width_of

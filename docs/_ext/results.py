@@ -171,7 +171,7 @@ def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
         "title": suite.title,
         "command": f"granwave {suite.command} {' '.join(suite.names)}",
         "date": datetime.fromtimestamp(newest, UTC).date().isoformat(),
-        "complete": _complete(suite, inputs) and _of_same_numbers(versions["granwave"]),
+        "complete": _complete(suite, inputs) and versions["granwave"] == [granwave.__version__],
         "versions": {name: found for name, found in versions.items() if found},
         "digests": digests(suite),
         "studies": {
@@ -354,7 +354,7 @@ def stale(stored: Mapping[str, Any], names: Sequence[str] = tuple(SUITES)) -> di
         now = digests(SUITES[name])
         if suite is None:
             why = "no rows are stored"
-        elif not _of_same_numbers(suite["versions"]["granwave"]):
+        elif not all(_same_numbers(version) for version in suite["versions"]["granwave"]):
             why = (
                 f"run by granwave {'/'.join(suite['versions']['granwave'])}, and this is {granwave.__version__}, "
                 f"with the numbers of {SAME_NUMBERS_SINCE} and later"
@@ -372,11 +372,6 @@ def stale(stored: Mapping[str, Any], names: Sequence[str] = tuple(SUITES)) -> di
             continue
         found[name] = f"{why}; run make results"
     return found
-
-
-def _of_same_numbers(versions: Sequence[str]) -> bool:
-    """Return True if all runs have a version, and the same numbers as runs of this version."""
-    return bool(versions) and all(_same_numbers(version) for version in versions)
 
 
 def _same_numbers(version: str) -> bool:

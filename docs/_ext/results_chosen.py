@@ -217,7 +217,7 @@ MEASURED = (
     _ratio_of_speeds("0.1"),
     _ratio_of_speeds("1"),
     (
-        "Wave speed in brass, at the impact that gives the measured speed in PTFE",
+        "Wave speed in brass, for the measured speed in PTFE",
         *_BRASS_PTFE,
         ("Speed in brass at the impact",),
     ),

@@ -5,10 +5,11 @@ whose numbers come from the stored rows, and the numbers of rows that agree.
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from results_rows import KINDS, beyond, excess, holds, ours_text, reference_text, without_power
+from results_rows import KINDS, beyond, excess, holds, reference_text, without_power
 from results_stored import ROOT, row_of
 
 from granwave.analysis.document.model import significant
@@ -17,6 +18,9 @@ from granwave.analysis.studies.study import Row
 
 FILE = ROOT / "reproductions" / "conclusions.md"
 CLOSE = 0.1  # largest relative deviation that counts as agreement
+_COLUMNS = 100
+_DIGITS = 4  # of a number in a conclusion
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S)")
 _FIELD = re.compile(r"\{(?P<word>\w+) (?P<rest>[^{}]+)\}")
 _OF_KINDS = {
     "source": "rows with a value of the source",
@@ -35,7 +39,14 @@ def read_conclusions() -> dict[str, str]:
 def conclusion_of(name: str, suite: Mapping[str, Any]) -> str:
     """Return the conclusion of a suite with its numbers, and the numbers of rows that agree."""
     text = _FIELD.sub(lambda field: _filled(field, suite), read_conclusions()[name])
-    return "\n\n".join(filter(None, (text, agreement_of(suite))))
+    return "\n\n".join(_wrapped(part) for part in (text, agreement_of(suite)) if part)
+
+
+def _wrapped(text: str) -> str:
+    """Return a paragraph in lines that do not end between a number and its unit."""
+    kept = _BEFORE_UNIT.sub("\0", text)
+    filled = textwrap.fill(kept, _COLUMNS, break_long_words=False, break_on_hyphens=False)
+    return filled.replace("\0", " ")
 
 
 def agreement_of(suite: Mapping[str, Any]) -> str:
@@ -84,7 +95,9 @@ def _filled(field: re.Match[str], suite: Mapping[str, Any]) -> str:
     study, _, start = field["rest"].partition(" | ")
     row = _first(suite, study, start)
     if field["word"] == "ours":
-        return with_unit(ours_text(row), row.unit)
+        assert row.ours is not None
+        digits = min(row.digits, _DIGITS)
+        return with_unit(without_power(significant(row.ours, digits)), row.unit)
     if field["word"] == "reference":
         return with_unit(reference_text(row).partition(" ±")[0], row.unit)
     if field["word"] == "off":

@@ -12,6 +12,11 @@ from granwave.analysis.formatting.numbers import superscript
 
 #: End of a sentence, not of an abbreviation such as "Fig."
 _END = re.compile(r"(?<!\bFig)(?<!\bFigs)(?<!\bEq)(?<!\beq)(?<!\bal)(?<=[.])\s+(?=[A-Z0-9])")
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w])")
+# numbers that one note lists
+_LEAST = 3
+_MOST = 12
+_IN_ORDER = "in the order of the rows with this note"
 #: Words that refer to the sentence before.
 _REFERRING = ("It ", "Its ", "This ", "That ", "These ", "They ", "Their ", "Such ", "There ")
 
@@ -45,7 +50,35 @@ def notes_of(remarks: Sequence[str], *, above: bool = True) -> tuple[str, list[l
     if above and len(remarks) > 1:
         distinct = set(remarks)
         every = [sentence for sentence, found in rows_of.items() if found == distinct]
-    return " ".join(every), [_notes(remark, rows_of, every) for remark in remarks]
+    return " ".join(every), _listed([_notes(remark, rows_of, every) for remark in remarks])
+
+
+def _listed(notes: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Return the notes of each row, with one note for notes that differ by one number."""
+    groups: dict[str, list[str]] = {}
+    for note in itertools.chain.from_iterable(notes):
+        groups.setdefault(_NUMBER.sub("{}", note), []).append(note)
+    joined: dict[str, str] = {}
+    for group in groups.values():
+        if len(set(group)) < _LEAST or len(group) > _MOST:
+            continue
+        if text := _with_list(group):
+            joined |= dict.fromkeys(group, text)
+    return [[joined.get(note, note) for note in of_row] for of_row in notes]
+
+
+def _with_list(notes: Sequence[str]) -> str:
+    """Return a note with the numbers of all rows where the notes differ; empty if they differ by
+    several numbers.
+    """
+    columns = list(zip(*map(_NUMBER.findall, notes), strict=True))
+    varying = [place for place, numbers in enumerate(columns) if len(set(numbers)) > 1]
+    if len(varying) != 1:
+        return ""
+    found = list(_NUMBER.finditer(notes[0]))[varying[0]]
+    numbers = ", ".join(columns[varying[0]])
+    text = f"{notes[0][: found.start()]}{numbers}{notes[0][found.end() :]}"
+    return f"{text.removesuffix('.')} ({_IN_ORDER})."
 
 
 def _notes(remark: str, rows_of: Mapping[str, set[str]], left_out: Sequence[str]) -> list[str]:

@@ -18,7 +18,7 @@ from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.studies.study import Row
 
 _ROUNDING = 1e-12  # relative
-_LOWER = ("at least", "more than", "Well over")  # words of a bound below
+_LOWER = ("at least", "more than", "Well over", "well above")  # words of a bound below
 _MOST_FACTOR = 1000.0  # ratio beyond which its size says nothing
 _DIGITS = 5  # of a value of a source
 _MOST_SHOWN = 4  # digits of our value that are added to show its deviation
@@ -178,7 +178,9 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
     """
     heads = ("quantity", "compared with", "value", "granwave", "difference")
     text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    entries = [(number, name, row) for number, (name, rows) in enumerate(lines) for row in rows]
+    entries: list[tuple[int, str, Row]] = []
+    for number, (name, rows) in enumerate(lines):
+        entries += [(number, name, row) for row in rows]
     _, notes = notes_of([row.remark for _, _, row in entries], above=False)
     marks = marks_of(notes)
     for (number, name, row), of_row in zip(entries, notes, strict=True):

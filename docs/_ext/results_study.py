@@ -28,7 +28,8 @@ def tables_of(study: Study) -> Iterator[DocumentTable | Note]:
     bare = tuple(dataclasses.replace(row, remark="") for row in study.rows)
     blocks = row_tables(dataclasses.replace(study, rows=bare))
     tables = [block for block in blocks if isinstance(block, DocumentTable)]
-    kinds = [kind for kind in KINDS if any(row.kind == kind for row in study.rows)]
+    present = {row.kind for row in study.rows}
+    kinds = [kind for kind in KINDS if kind in present]
     for kind, table in zip(kinds, tables, strict=True):
         rows = [row for row in study.rows if row.kind == kind]
         every, notes = notes_of([row.remark for row in rows])

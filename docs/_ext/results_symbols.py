@@ -120,6 +120,7 @@ _UNITS = (
     (re.compile(r"\bkg/m3\b"), "kg/m³"),
     (re.compile(r"\bg/m3\b"), "g/m³"),
     (re.compile(r"\bJ/N\^2"), "J/N²"),
+    (re.compile(r"(?<=\d)%"), " %"),
 )
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LARGEST = 5  # power of ten of numbers that are written out
@@ -127,7 +128,7 @@ _GROUPED = 10000  # from which on digits are grouped
 
 
 def readable_numbers(text: str) -> str:
-    """Return a text with ``1 MPa`` for ``1e+06 Pa``, ``3790`` for ``3.79e+03``, ``µm`` for ``um``."""
+    """Return a text with 1 MPa for ``1e+06 Pa``, 3790 for ``3.79e+03``, and µm for ``um``."""
     text = _PRESSURE_RANGE.sub(_pressure, text)
     text = _PRESSURES.sub(_pressure, text)
     for pattern, unit in _UNITS:

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import results_coverage
+import results_measured_picture
 import results_picture
 import results_values_picture
 from results_chosen import CHOSEN, IN_PAPER, LABELS, MEASURED, MORE
@@ -69,10 +70,10 @@ _MESSAGE = """\
 More than half of the values that sources print are reproduced within 10 %, many within 1 %: for
 example the energy in a square packing, the fronts in a bilinear chain, and waves in precompressed
 chains. Larger differences have four causes. The source has a misprint or contradicts itself
-([errata](errata.md)); it does not print a property that matters, such as a modulus or the velocity of a
-striker; a formula is used outside its range; or granwave or the source lacks an effect, such as partial slip
-([limits](limits.md)). Some differences are not explained. The pages by subject begin with their
-conclusions."""
+([errata](errata.md)); it does not print a property that matters, such as a modulus or the velocity
+of a striker; a formula is used outside its range; or one of the two models lacks an effect, such as
+partial slip ([limits](limits.md)). Some differences are not explained. The pages by subject begin
+with their conclusions."""
 _SOURCES = """\
 Four sources have short names:
 
@@ -104,7 +105,8 @@ _COUNTING = """\
 A number with its unit and place in a source is one printed value, which several rows may compare:
 with other positions, with variants that test a reason for a difference, or with settings of the
 source, such as its meshes. A number printed once is counted once, even if several rows use it. A
-value agrees in every comparison if all its rows do. Values from theory and verifications are counted by rows. Remarks
+value agrees in every comparison if all its rows do. Values from theory and verifications are
+counted by rows. Remarks
 give the reason of a difference where it is known: a misprint ([errata](errata.md)), missing data of
 the source, or an effect that one of the two models does not have."""
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
@@ -147,6 +149,7 @@ def write_pages(stored: Mapping[str, Any]) -> None:
         if labels and is_stale(picture, part, labels):
             results_picture.draw(part, labels, picture, letters=False)
     results_values_picture.write_stale(stored, PAGES)
+    results_measured_picture.write_stale(stored)
     results_coverage.write_page(stored)
     for page, table in tables_elsewhere(stored).items():
         text = with_block(page.read_text(encoding="utf-8"), table)
@@ -164,7 +167,8 @@ def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
     """Return the tables in pages that are otherwise written by hand."""
     return {
         README: readable_numbers(table_of(chosen_rows(stored))),
-        FIRST_PAGE: readable_numbers(table_of(chosen_rows(stored, MEASURED))),
+        FIRST_PAGE: results_measured_picture.text()
+        + readable_numbers(table_of(chosen_rows(stored, MEASURED))),
         PAPER: _of_paper(stored),
     }
 

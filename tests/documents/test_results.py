@@ -34,6 +34,7 @@ STUDY = extension("results_study")
 PICTURE = extension("results_picture")
 for part in ("quantities", "panels", "axes", "values_picture"):
     extension(f"results_{part}")
+MEASURED = extension("results_measured_picture")
 extension("results_coverage")
 WIDE = extension("results_wide")
 TABLE = extension("results_table")
@@ -109,6 +110,14 @@ def test_the_picture_of_each_suite_is_of_its_stored_rows():
         if labels:
             assert not TABLE.is_stale(TABLE.PAGES / f"{name}.webp", part, labels), AGAIN
         assert len(PICTURE.points(part)) == sum(one == name for one, *_ in PICTURE.points(STORED))
+
+
+def test_the_figure_of_measurements_is_of_the_stored_rows():
+    """It has the rows of the table, with the errors that the sources state."""
+    assert not MEASURED.is_stale(STORED), AGAIN
+    found = list(MEASURED.ratios(STORED))
+    assert len(found) == len(CHOSEN.MEASURED)
+    assert sum(error > 0 for *_, error in found) == 3
 
 
 def test_remarks_are_notes_below_a_table():
@@ -308,6 +317,14 @@ def test_shared_sentences_of_remarks_are_one_note():
         ["At 3 N."],
         ["At 2 N."],
         [],
+    ]
+    forces = ["The force is 3 N.", "The force is 1.5 N.", "", "The force is 2 N."]
+    text = "The force is 3, 1.5, 2 N (in the order of the rows with this note)."
+    assert NOTES.notes_of(forces)[1] == [[text], [text], [], [text]]
+    assert NOTES.notes_of([*forces[:2], "From 1 to 2 N."])[1] == [
+        ["The force is 3 N."],
+        ["The force is 1.5 N."],
+        ["From 1 to 2 N."],
     ]
     above, notes = NOTES.notes_of(["See Fig. 2. One.", "See Fig. 2. Two."])
     assert above == "See Fig. 2." and notes == [["One."], ["Two."]]

@@ -22,6 +22,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis import Result
+from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import FORMAT, MARKER
 from granwave.workflows.cli.main import main
@@ -111,6 +112,12 @@ def test_they_are_kept_and_replaced_as_results_are(earlier, capsys):
     assert main(["run", case, "-o", str(earlier / "run"), "--no-figures", "--force"]) == 0
     now = json.loads((earlier / "run" / "summary.json").read_text(encoding="utf-8"))
     assert now["peak_force_N"] == pytest.approx(json.loads(before)["peak_force_N"], rel=1e-3)
+
+
+def test_input_scripts_are_read(earlier):
+    for name in KNOWN:
+        deck = read_deck(earlier / name)
+        assert deck.schedule.n_steps > 0 and len(deck.struck) == 1
 
 
 def test_dumps_are_analysed(with_dumps):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Sequence
 from functools import partial
 
@@ -49,6 +50,8 @@ from granwave.analysis.reports.comparison.subjects import (
 from granwave.analysis.reports.comparison.values import shown_values
 from granwave.analysis.reports.figures import picture_of
 
+_BETWEEN_SENTENCES = r"(?<=\.) (?=[A-Z])"
+_TWO_LINES = 240  # characters on two lines of a note
 _MOST_VALUES = 10  # rows of the table of values
 _MOST_OPEN = 12  # rows of a table of keys that is not folded
 _OF_VALUES = "Largest differences of results"
@@ -83,7 +86,7 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
     paragraphs = comparison.paragraphs
     leads = comparison.measured_sentences or comparison.protection or paragraphs
     blocks: list[Block] = [Note(text, "lead" if text in leads else "") for text in paragraphs]
-    blocks += [Note(text, "note") for text in comparison.grouped_notes]
+    blocks += _note_blocks(comparison)
     blocks += misfit_tables(comparison)
     if comparison.values:
         blocks.append(value_table(comparison))
@@ -93,6 +96,34 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
     if data is not None:
         blocks.append(Note("Figures as PNG and PDF, with their data:", links=(data,)))
     return blocks
+
+
+def _note_blocks(comparison: Comparison) -> list[Block]:
+    """Return the notes: of each subject at most two lines, and further sentences folded."""
+    blocks: list[Block] = []
+    for title, notes in comparison.notes_by_subject.items():
+        if not title:
+            blocks += [Note(text, "note") for text in notes]
+            continue
+        sentences = [text for note in notes for text in re.split(_BETWEEN_SENTENCES, note)]
+        n_shown = _n_on_two_lines(sentences)
+        if shown := " ".join(sentences[:n_shown]):
+            blocks.append(Note(shown, "note"))
+        if rest := tuple(Note(text) for text in sentences[n_shown:]):
+            blocks.append(Group(f"{title}: {len(rest)} more", rest, folded=True))
+    return blocks
+
+
+def _n_on_two_lines(sentences: Sequence[str]) -> int:
+    """Return the number of sentences that fit on two lines, at least one."""
+    n_fitting = 0
+    length = 0
+    for sentence in sentences:
+        length += len(sentence) + 1
+        if n_fitting and length > _TWO_LINES:
+            break
+        n_fitting += 1
+    return n_fitting
 
 
 def value_table(comparison: Comparison) -> DocumentTable:

@@ -74,6 +74,8 @@ if TYPE_CHECKING:
 
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
+DEFINITIONS = "Definitions and settings that differ"  # titles of notes
+LIMITS = "Limits of the compared values"
 LEAST_RUNS = 2  # of a comparison without a measured curve
 _LEAST_KINDS = 2
 
@@ -504,6 +506,14 @@ class Comparison:
         first, definitions, limits, last = self._note_groups
         joined = [" ".join(notes) for notes in (definitions, limits) if notes]
         return [*first, *joined, *last]
+
+    @property
+    def notes_by_subject(self) -> dict[str, list[str]]:
+        """The notes by title: first and last notes without one, differences between definitions,
+        and limits by the end of a run or a boundary.
+        """
+        first, definitions, limits, last = self._note_groups
+        return {"": [*first, *last], DEFINITIONS: definitions, LIMITS: limits}
 
     @cached_property
     def _note_groups(self) -> tuple[list[str], list[str], list[str], list[str]]:

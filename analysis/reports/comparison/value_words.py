@@ -9,7 +9,7 @@ from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.measures.law_range import BEYOND_LAW, contacts_beyond_law
 from granwave.analysis.reports.comparison.compared_value import MARK, PARTIAL, ComparedValue, factor
-from granwave.analysis.reports.comparison.ends import have_unlike_ends
+from granwave.analysis.reports.comparison.ends import AT_THE_END, have_unlike_ends
 from granwave.analysis.reports.comparison.energy_inputs import have_unlike_inputs
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
@@ -70,9 +70,39 @@ def sentence(
     text = f"The {other}main results differ most in {most}."
     if is_truncated:
         text = f"Of the {other}results {_ALL_COMPLETE}, the largest difference is in {most}."
-    if not others:
-        return text
-    return f"{text} Further differences: {'; '.join(others)}."
+    if others:
+        text = f"{text} Further differences: {'; '.join(others)}."
+    return f"{text} {_uncounted(values, distinct, runs)}".rstrip()
+
+
+def _uncounted(
+    values: Sequence[ComparedValue], counted: Sequence[ComparedValue], runs: Sequence[ComparedRun]
+) -> str:
+    """Return a sentence on larger ratios in the table than those that a sentence counts, with the
+    reasons; empty without them.
+    """
+    largest = max(value.spread for value in counted)
+    names = {value.name for value in counted}
+    parts: list[str] = []
+    for value in values:
+        reason = _why_uncounted(value, runs)
+        if reason and value.name not in names and value.ratio and value.spread > largest:
+            parts.append(f"{_in_sentence(value.label)} ({reason})")
+    return f"Larger ratios that are not counted: {named(parts, _MOST_NAMED)}." if parts else ""
+
+
+def _why_uncounted(value: ComparedValue, runs: Sequence[ComparedRun]) -> str:
+    """Return the reason for which a sentence does not count a value that has a ratio; empty for a
+    value that it may count, and for a value at the arbitrary end of a run.
+    """
+    if value.is_main or value.name in AT_THE_END:
+        return ""
+    if value.is_of_input:
+        return "it depends on the input, which differs"
+    if value.incomplete:
+        names = named([runs[place].name for place in sorted(value.incomplete)], _MOST_NAMED)
+        return f"incomplete in {names}"
+    return ""
 
 
 def named_values(values: Sequence[ComparedValue], stated: Collection[str] = ()) -> list[str]:
