@@ -21,6 +21,7 @@ from granwave.analysis.measures.driven import (
     mean_power_of,
     transmission_of,
 )
+from granwave.analysis.measures.impactor import impactor_velocity
 from granwave.analysis.measures.incomplete_values import INCOMPLETE, incomplete_values
 from granwave.analysis.measures.law_errors import law_errors
 from granwave.analysis.measures.lines import (
@@ -160,7 +161,7 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         **({"n_cylinders": n_cylinders} if n_cylinders else {}),
         **({"n_clumps": n_clumps} if n_clumps else {}),
         "wave_speed_m_s": wave_speed_of(result),
-        "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
+        "impactor_velocity_m_s": impactor_velocity(result),
         "restitution": rebound,
         **law_errors(result, rebounds=rebound is not None),
         "wall_time_s": wall_time,

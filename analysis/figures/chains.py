@@ -89,9 +89,11 @@ def along_chain(result: Result) -> Drawing | None:
     """Draw peak force and dissipated energy of every contact along the chain.
 
     The forces are those of the first wave, before the reflection from the end, above the static
-    force; open circles are contacts at which a larger pulse may still arrive. Grey marks are the
-    largest forces of the run where they are larger. Under a load that keeps oscillating they are
-    the largest of the run only. None for a single contact.
+    force; open circles are contacts at which a larger pulse may still arrive, open squares contacts
+    at which a larger force followed, and triangles contacts whose force still rose when the
+    reflection came, or the run ended. Grey marks are the largest forces of the run where they are
+    larger. Under a load that keeps oscillating they are the largest of the run only. None for a
+    single contact.
     """
     if "chain" not in result:
         return None
@@ -117,6 +119,7 @@ def along_chain(result: Result) -> Drawing | None:
     if wave is not None:
         columns["first_wave_peak_force_N"] = known_peaks(wave)
         columns["first_wave_is_passing"] = wave.is_passing.astype(int)
+        columns["first_wave_recorded_force_N"] = wave.peak
     return Drawing(figure, columns)
 
 
@@ -133,11 +136,20 @@ def words_along_chain(result: Result, _: Path) -> tuple[str, str]:
     if is_first and np.any(peaks.differs):
         caption += "; crosses: larger forces later in the run"
     look = "Constant values: no decay."
-    if np.any(peaks.passing > 0):
+    if np.any(peaks.may_follow):
         look += (
             " Open circles: a larger pulse may follow, after the reflection or the end of the run."
         )
+    if np.any(peaks.followed):
+        look += " Open squares: a larger force (cross) followed, with or after the reflection."
+    if np.any(peaks.rising > 0):
+        look += f" Triangles: the first wave still rose when the {_end_of_wave(peaks)}."
     return caption, look
+
+
+def _end_of_wave(peaks: _PeaksAlong) -> str:
+    """Return the end of the record of the first wave in words."""
+    return "reflection came" if peaks.is_reflected else "run ended"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -153,19 +165,37 @@ class _PeaksAlong:
         Of the first wave.
     passing
         Of the first wave, where a larger pulse may follow.
+    rising
+        Of the first wave so far, where the force still rises at the end of its record.
     static
         Force before the load.
+    is_reflected
+        True if the record of the first wave ends with the reflection, False if with the run.
     """
 
     whole: NDArray[np.float64]
     known: NDArray[np.float64]
     passing: NDArray[np.float64]
+    rising: NDArray[np.float64]
     static: NDArray[np.float64]
+    is_reflected: bool
 
     @property
     def differs(self) -> NDArray[np.bool_]:
         """True where the largest force of the run is larger than the known one: (n_contacts,)."""
         return self.whole > (1 + _SAME) * self.known
+
+    @property
+    def followed(self) -> NDArray[np.bool_]:
+        """True where a larger force followed a first pulse that is not known to be the largest:
+        (n_contacts,).
+        """
+        return (self.passing > 0) & (self.whole > (1 + _SAME) * self.passing)
+
+    @property
+    def may_follow(self) -> NDArray[np.bool_]:
+        """True where a larger pulse may follow, and did not follow in the run: (n_contacts,)."""
+        return (self.passing > 0) & ~self.followed
 
 
 def _peaks_along(result: Result, wave: FirstWave | None) -> _PeaksAlong:
@@ -186,10 +216,15 @@ def _peaks_along(result: Result, wave: FirstWave | None) -> _PeaksAlong:
     whole = np.where(whole > least, whole, 0.0)
     known = np.zeros(len(peak))
     passing = np.zeros(len(peak))
+    rising = np.zeros(len(peak))
+    is_reflected = wave is not None and wave.reflection is not None
     if wave is not None:
+        is_reached = wave.peak > least
         known = np.where(wave.is_known, wave.peak, 0.0)
-        passing = np.where(wave.is_passing & (wave.peak > least), wave.peak, 0.0)
-    return _PeaksAlong(whole, known, passing, static)
+        passing = np.where(wave.is_passing & is_reached, wave.peak, 0.0)
+        is_rising = ~(wave.is_known | wave.is_passing)
+        rising = np.where(is_rising & is_reached, wave.peak, 0.0)
+    return _PeaksAlong(whole, known, passing, rising, static, is_reflected)
 
 
 def _draw_peaks_along(axes: Axes, result: Result, wave: FirstWave | None) -> None:
@@ -209,13 +244,16 @@ def _draw_peaks_along(axes: Axes, result: Result, wave: FirstWave | None) -> Non
         axes.plot(number[differs], peaks.whole[differs] * scale, "x", **look)
     if np.any(peaks.known > 0):
         _dots(axes, number, peaks.known * scale, "first wave")
-    passing = peaks.passing > 0
-    if np.any(passing):
-        look = {"color": BLUE, "markerfacecolor": "none", "markersize": 3}
-        name = "larger pulse may follow"
-        axes.plot(number[passing], peaks.passing[passing] * scale, "o", label=name, **look)
+    for forces, shown, marker, name in (
+        (peaks.passing, peaks.may_follow, "o", "larger pulse may follow"),
+        (peaks.passing, peaks.followed, "s", "larger force followed"),
+        (peaks.rising, peaks.rising > 0, "^", "still rising"),
+    ):
+        if np.any(shown):
+            look = {"color": BLUE, "markerfacecolor": "none", "markersize": 3, "label": name}
+            axes.plot(number[shown], forces[shown] * scale, marker, **look)
     kind = "Dynamic peak force" if np.any(peaks.static > 0) else "Peak force"
-    highest = np.maximum.reduce([peaks.whole, peaks.known, peaks.passing])
+    highest = np.maximum.reduce([peaks.whole, peaks.known, peaks.passing, peaks.rising])
     _scale_axis(axes, highest * scale, f"{kind} ({unit})")
     legend_above(axes, 2)
 

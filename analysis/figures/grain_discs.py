@@ -17,7 +17,7 @@ from granwave.analysis.result.reader import Result
 OUTLINE = "#9a9a9a"  # colour of the outlines of grains
 _MILLI = 1e3  # mm in a metre
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
-_OUTLINE_WIDTH = 0.35  # points
+_OUTLINE_WIDTH = 0.5  # points
 _EDGE_WIDTH = 0.2  # width of the edge of a coloured disc, points
 _DISC = 0.96  # drawn / actual diameter
 _SEEN_ALONG = 0.1  # length of an axis in a section / radius below which a cylinder is seen end-on

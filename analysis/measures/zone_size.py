@@ -257,13 +257,15 @@ def cut_of(zone: Zone) -> list[str]:
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
-    """Return the values of the summary on the size of the plastic zone; None without yielding.
+    """Return the values of the summary on the size of the plastic zone, and whether the sides are
+    periodic; sizes are None without yielding.
 
     In a collision of two spheres, the values on boundaries are None.
     """
+    sides = {PERIODIC_SIDES: result.case.boundary.periodic}
     if not result.yields:
         keys = ("zone_cut", "zone_growing", PERIODIC_SIDES, *WAVE_KEYS)
-        return zone_sizes(None) | dict.fromkeys(keys)
+        return zone_sizes(None) | dict.fromkeys(keys) | sides
     active, distances = _active_and_distances(result)
     sizes = zone_sizes(*map(active.get, ("energy", "volume", "depth", "radius")))
     border = {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]}
@@ -285,12 +287,7 @@ def zone_summary(result: Result) -> dict[str, Any]:
     if result.n_spheres in COLLISION:
         cut = None
         returns = dict.fromkeys(WAVE_KEYS)
-    return (
-        sizes
-        | {"zone_cut": cut, "zone_growing": growing}
-        | {PERIODIC_SIDES: result.case.boundary.periodic}
-        | returns
-    )
+    return sizes | {"zone_cut": cut, "zone_growing": growing} | sides | returns
 
 
 def _active_and_distances(result: Result) -> tuple[Zone, Zone]:
@@ -478,7 +475,7 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
         names = _names(summary.get("wave_returned") or (), periodic)
         wave = "wave" if IMAGES in names else "reflection"
         microseconds = 1e6 * summary["wave_return_s"]
-        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} us)"
+        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} µs)"
         found.append(
             f"up to {100 * share:.3g} % of the plastic dissipation occurred after {arrival}"
         )

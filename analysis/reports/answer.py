@@ -31,7 +31,7 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.measures.beads import crest_speed
+from granwave.analysis.measures.bead_wave import crest_speed
 from granwave.analysis.measures.force_decay import ForceDecay, force_decay
 from granwave.analysis.measures.incomplete_values import DISSIPATED_FRACTION, incomplete_in
 from granwave.analysis.measures.leading_wave import stretch_speeds

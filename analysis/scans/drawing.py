@@ -17,7 +17,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm, Normalize, to_rgba
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
@@ -54,6 +54,8 @@ _HANDLE = 5  # width of a mark in a legend, characters
 _LINE_OF_NAME = 28  # longest line of a category's name, characters
 _LINE_OF_LEGEND = 52  # longest line of a legend, characters
 _CROSS = 2.0  # size of a cross, relative to the marker below it
+_END_OF_BAR = 4.5  # size of a mark at the end of a bar, points
+_ZERO_FONT = 6.5  # font size of the number of a bar without length, points
 _MOST_MARKED = 60  # largest number of points of a curve with markers
 _SPREAD = 30.0  # largest / smallest value above which an axis of values is logarithmic
 _CROSSES = {Mark.END: "x", Mark.LAW: "+"}
@@ -189,9 +191,10 @@ def draw_bars(
 ) -> Drawing:
     """Draw bars by category, below each other, with a bar for each curve.
 
-    On a logarithmic axis points are drawn instead. Bars of plastic zones that reach a boundary are
-    open, pale if a wave returned from a boundary, and crossed if the end of the run limits the
-    value, or if contacts beyond the range of the law determine it.
+    On a logarithmic axis points are drawn instead. Bars have marks at their ends: an open circle
+    for plastic zones that reach a boundary, half open if a wave returned from a boundary, a
+    cross if the end of the run limits the value, and an upright cross for contacts beyond the range
+    of the law. A bar of zero is a tick with its number.
     """
     n_curves = points.curve.nunique()
     names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
@@ -217,18 +220,26 @@ def draw_bars(
             axes.errorbar(part["mean"], place, **look, **errors)
             draw_marks(axes, part["mean"], place, part["mark"], look["marker"], 5, look["color"])
         else:
-            bars = axes.barh(place, part["mean"], 0.92 * width, ecolor="black", **fill, **errors)
-            for bar, mark in zip(bars, part["mark"], strict=True):
-                bar.set(**(_marked_fill(Mark(mark), look["color"]) if mark else {}))
+            axes.barh(place, part["mean"], 0.92 * width, ecolor="black", **fill, **errors)
+            draw_marks(axes, part["mean"], place, part["mark"], "o", _END_OF_BAR, "black")
+            _name_zeros(axes, place[part["mean"] == 0], look["color"])
         label = ", ".join(key.text(part.row.iloc[0]) for key in others)
         if label:
             handles[label] = _handle(logarithmic, look, fill)
     for mark, text in marks_of(points["mark"]).items():
-        look = marked_marker(mark, "o", 4.5, "black")
-        handles[text] = _handle(logarithmic, look, _marked_fill(mark, "black"))
+        handles[text] = Line2D([], [], **marked_marker(mark, "o", _END_OF_BAR, "black"))
     _legend(figure, handles)
     categories = np.array([ticks[int(place)] for place in points.x])
     return Drawing(figure, _columns(points, others, columns, categories))
+
+
+def _name_zeros(axes: Axes, places: Iterable[float], colour: Any) -> None:
+    """Draw a tick and the number 0 in place of bars without length."""
+    for place in places:
+        axes.plot(0, place, "|", color=colour, markersize=_END_OF_BAR + 2, clip_on=False)
+        axes.annotate(
+            "0", (0, place), (6, 0), textcoords="offset points", va="center", fontsize=_ZERO_FONT
+        )
 
 
 def _handle(as_marker: bool, look: dict[str, Any], fill: dict[str, Any]) -> Any:
@@ -322,17 +333,6 @@ def marked_marker(mark: Mark, marker: str, size: float, colour: Any) -> dict[str
         marker = _CROSSES[mark]
         return look | {"marker": marker, "markersize": _CROSS * size, "markeredgewidth": 1.1}
     return look | {"fillstyle": "left", "markerfacecoloralt": "white"}
-
-
-def _marked_fill(mark: Mark, colour: str) -> dict[str, Any]:
-    if mark in _CROSSES:
-        hatch = 3 * _CROSSES[mark]
-        return {"facecolor": to_rgba(colour, 0.35), "edgecolor": colour, "hatch": hatch}
-    return {
-        "facecolor": "white" if mark is Mark.CUT else to_rgba(colour, 0.35),
-        "edgecolor": colour,
-        "linewidth": 1.0,
-    }
 
 
 def _look(kind: int, n_kinds: int, *, joined: bool) -> dict[str, Any]:

@@ -16,7 +16,12 @@ from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
 from granwave.analysis.reports.comparison.compared_value import DIFFERENT_MEANING, ComparedValue
 from granwave.analysis.reports.comparison.curves import SampledCurve
-from granwave.analysis.reports.comparison.definitions import definition_notes, limit_notes
+from granwave.analysis.reports.comparison.definitions import (
+    WITH_WALLS,
+    definition_notes,
+    has_walls_in_some,
+    limit_notes,
+)
 from granwave.analysis.reports.comparison.deviations import (
     Deviation,
     deviation,
@@ -123,7 +128,10 @@ class Comparison:
         """
         values = self._results_and_details
         words = {value.name: value.without_ratio for value in values if value.without_ratio}
-        return words | dict.fromkeys(unlike_names(self.runs), DIFFERENT_MEANING)
+        unlike = unlike_names(self.runs)
+        if has_walls_in_some(self.runs):
+            unlike.add(WITH_WALLS)
+        return words | dict.fromkeys(unlike, DIFFERENT_MEANING)
 
     @cached_property
     def truncated(self) -> dict[str, tuple[ComparedRun, ...]]:

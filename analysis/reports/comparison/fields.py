@@ -42,8 +42,11 @@ _UNLIKE_SIZES = 2.0  # largest over smallest section from which on each has its 
 _IN_PAIRS = 2  # ... and panels in a row of four
 MOST_PANELS = 6
 _MILLI = 1e3
+_TOP = "N"  # anchor of panels, whose sections begin at one height in a row
 _FONT = 8  # font size of the labels of the axes, points
 _TALLEST = 8.0  # inches
+_ROOM_OF_TITLE = 0.35  # height of title and numbers of a panel, inches
+_ROOM_OF_BAR = 0.95  # height of the colour bar and of the common titles, inches
 _SAME_PLACE = 1e-3  # distance between corresponding grains, diameters
 _LINEAR = 1e-2  # fraction of the largest difference within which its scale is linear
 _LINEAR_PART = 0.4  # length of the linear part of that scale on each side, decades
@@ -126,9 +129,10 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
     low = min(low, decades_up_to(least, None)[0] * _DECADE)
     windows = [fields[run].window(low) for run in runs]
     is_shared = not _differ_in_size([fields[run].window(0.0) for run in runs])
-    windows = [_joint(windows)] * len(runs) if is_shared else _of_one_aspect(windows)
+    if is_shared:
+        windows = [_joint(windows)] * len(runs)
     depth_label = _depth_label([fields[run] for run in runs])
-    figure, panels = _panels(len(runs), windows[0], depth_label, shared=is_shared)
+    figure, panels = _panels(windows, depth_label, shared=is_shared)
     columns: dict[str, Array] = {}
     is_dynamic = any(fields[run].has_static for run in runs)
     title = "Peak dynamic force (N)" if is_dynamic else "Peak force (N)"
@@ -137,6 +141,7 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
         colouring = Colouring(field.force, title, "peak_force_N", FORCE_MAP, low, high)
         draw_discs(axes, field.cut, field.force, colouring, field.radius, sticks=field.sticks)
         frame_axes(axes, window)
+        axes.set_anchor(_TOP)
         axes.set_title(run.label, pad=2, fontsize=7).set_label(SCALED_TEXT)
         columns |= _columns(run, field, "peak_force_N", field.force)
     forces = np.concatenate([fields[run].force for run in runs])
@@ -148,19 +153,17 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
 def scale_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
     """Return a sentence if the sections are not on one scale of lengths."""
     windows = [field.window(0.0) for field in fields.values()]
-    return "Each section has its own scale of lengths." if _differ_in_size(windows) else ""
+    return (
+        "Each section is cropped to its packing, and has its own scale of lengths."
+        if _differ_in_size(windows)
+        else ""
+    )
 
 
 def _differ_in_size(windows: Sequence[Window]) -> bool:
     """Return True if the sizes of the sections differ too much for one scale."""
     sizes = [max(right - left, bottom - top) for left, right, top, bottom in windows]
     return max(sizes) > _UNLIKE_SIZES * min(sizes)
-
-
-def _of_one_aspect(windows: Sequence[Window]) -> list[Window]:
-    """Return windows that are extended downwards to the same ratio of height and width."""
-    ratio = max((bottom - top) / (right - left) for left, right, top, bottom in windows)
-    return [(left, right, top, top + ratio * (right - left)) for left, right, top, _ in windows]
 
 
 def corresponding(first: ForceField, other: ForceField) -> bool:
@@ -187,7 +190,7 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         return None
     norm = SymLogNorm(_LINEAR * largest, linscale=_LINEAR_PART, vmin=-largest, vmax=largest)
     window = first.window(decades_up_to(float(first.force.max()), None)[0])
-    figure, panels = _panels(len(changes), window, _depth_label([first]))
+    figure, panels = _panels([window] * len(changes), _depth_label([first]))
     columns: dict[str, Array] = {}
     for axes, (run, change) in zip(panels, changes.items(), strict=True):
         _draw_changes(axes, first, change, norm)
@@ -294,16 +297,29 @@ def _depth_label(fields: Sequence[ForceField]) -> str:
 
 
 def _panels(
-    number: int, window: Window, depth_label: str, *, shared: bool = True
+    windows: Sequence[Window], depth_label: str, *, shared: bool = True
 ) -> tuple[MatplotlibFigure, list[Axes]]:
-    """Return a figure with a panel for each section, with common axes if they are shared."""
+    """Return a figure with a panel for each section, with common axes if they are shared; rows of
+    panels are as high as their highest section.
+    """
+    number = len(windows)
     across = _IN_PAIRS if number == _IN_PAIRS**2 else min(number, _ACROSS)
-    rows = math.ceil(number / across)
     width = WIDTH if number == 1 else 2 * WIDTH
-    left, right, top, bottom = window
-    panel = (width - 0.6 - 0.2 * across) / across * (bottom - top) / (right - left) + 0.35
-    figure = new_figure(min(rows * panel + 0.95, _TALLEST), width)
-    grid = figure.subplots(rows, across, sharex=shared, sharey=shared, squeeze=False)
+    panel_width = (width - 0.6 - 0.2 * across) / across
+    ratios = [(bottom - top) / (right - left) for left, right, top, bottom in windows]
+    heights = [
+        panel_width * max(ratios[start : start + across]) + _ROOM_OF_TITLE
+        for start in range(0, number, across)
+    ]
+    figure = new_figure(min(sum(heights) + _ROOM_OF_BAR, _TALLEST), width)
+    grid = figure.subplots(
+        len(heights),
+        across,
+        sharex=shared,
+        sharey=shared,
+        squeeze=False,
+        gridspec_kw={"height_ratios": heights},
+    )
     for empty in grid.flat[number:]:
         empty.set_visible(False)
     for title in (

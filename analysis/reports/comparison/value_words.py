@@ -149,7 +149,9 @@ def _without_difference(
         reasons.append("it still grows at the end of a run")
     is_alike = not any(value.differs_in_meaning for value in values)
     if not is_alike:
-        reasons.append("packings and blocks define it differently")
+        are_packings = all(run.has_spheres for run in runs)
+        who = "packings with and without walls" if are_packings else "packings and blocks"
+        reasons.append(f"{who} define it differently")
     if any(value.is_limited for value in values):
         reasons.append("a boundary limits the plastic zone")
     if any(value.is_unresolved for value in values):

@@ -17,6 +17,7 @@ from granwave.analysis.reports.comparison.compared_value import (
     ComparedValue,
     digits,
 )
+from granwave.analysis.reports.comparison.definitions import WITH_WALLS, has_walls_in_some
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
     growing_names,
@@ -28,6 +29,7 @@ from granwave.analysis.reports.comparison.ends import (
     unresolved_names,
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
+from granwave.analysis.reports.comparison.redefined import redefined_names
 from granwave.analysis.reports.comparison.subjects import MOST_SIDE_BY_SIDE, ComparedRun
 from granwave.analysis.summary_table import has_no_pairs
 
@@ -62,7 +64,6 @@ _FAMILIES = (
 _FURTHER = ("energy_dissipated_J", "energy_kinetic_J", "peak_overlap_m", "restitution")
 #: Values of the contacts between spheres, which a run without loaded contacts does not have.
 _OF_PAIRS = ("peak_force_N", "peak_force_error_N", "peak_overlap_m")
-_WITH_WALLS = "peak_force_with_walls_N"
 _OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
 SAME = 1e-9  # relative difference of values that are equal
 _IN_SENTENCE = 3
@@ -200,8 +201,16 @@ def _outcomes(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def unlike_names(runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the names of values that the kinds of these runs define differently."""
-    return {*_OF_ONE_KIND} if len({run.run.kind for run in runs}) > 1 else set()
+    """Return the names of values that the kinds or versions of these runs define differently."""
+    names = redefined_names(runs)
+    if len({run.run.kind for run in runs}) > 1:
+        names |= {*_OF_ONE_KIND}
+    return names
+
+
+def _unlike_at_walls(runs: Sequence[ComparedRun]) -> tuple[str, ...]:
+    """Return the names of values that include forces on walls only in some of the runs."""
+    return (WITH_WALLS,) if has_walls_in_some(runs) else ()
 
 
 def _keys(runs: Sequence[ComparedRun]) -> list[str]:
@@ -241,7 +250,7 @@ def _value(
         is_limited=is_limited,
         is_growing=is_growing,
         is_of_input=is_of_input,
-        differs_in_meaning=name in unlike_names(runs),
+        differs_in_meaning=name in (*unlike_names(runs), *_unlike_at_walls(runs)),
         incomplete=incomplete,
         is_unresolved=is_unresolved,
         errors=tuple(error_of(name, run.run.summary) for run in runs),
@@ -275,4 +284,4 @@ def _number(name: str, run: ComparedRun) -> float | None:
     value = run.run.number(name)
     if name in _OF_PAIRS and has_no_pairs(run.run.summary):
         return None
-    return None if name == _WITH_WALLS and value == 0 else value
+    return None if name == WITH_WALLS and value == 0 else value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.chains import along_chain, bead_velocities
+from granwave.analysis.figures.chains import along_chain, bead_velocities, words_along_chain
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.force_decay import (
     exponential_of_depth,
@@ -132,9 +132,14 @@ def test_fit_and_figure_leave_out_what_is_not_known(tmp_path):
     same = exponential_of_depth(long.depth[fitted], long.largest[fitted])
     assert decay.rate == pytest.approx(same.rate, rel=1e-3)
     lines = {line.get_label(): line for line in axes.lines}
-    passing = lines["larger pulse may follow"]
-    assert passing.get_markerfacecolor() == "none"
-    assert passing.get_xdata() == pytest.approx(np.flatnonzero(wave.is_passing) + 1)
+    passing = [
+        lines[label]
+        for label in ("larger pulse may follow", "larger force followed")
+        if label in lines
+    ]
+    assert all(line.get_markerfacecolor() == "none" for line in passing)
+    numbers = np.sort(np.concatenate([line.get_xdata() for line in passing]))
+    assert numbers == pytest.approx(np.flatnonzero(wave.is_passing) + 1)
     assert lines["first wave"].get_xdata() == pytest.approx(np.flatnonzero(wave.is_known) + 1)
 
 
@@ -192,7 +197,10 @@ def test_figure_along_a_chain_is_of_the_first_wave(tmp_path):
         drawing = along_chain(result)
         first = leading_peaks(result)
         rise = result.along_chain("peak_force") - result["chain/contact_force"][0]
-    later, wave = drawing.figure.axes[0].lines
+    lines = {line.get_label(): line for line in drawing.figure.axes[0].lines}
+    later = lines["largest of the run"]
+    wave = lines["first wave"]
+    assert lines.keys() <= {"largest of the run", "first wave", "still rising"}
     known = np.nan_to_num(first) > 0
     assert wave.get_ydata() == pytest.approx(first[known])
     assert drawing.figure.axes[0].get_ylabel() == "Dynamic peak force (N)"
@@ -200,6 +208,26 @@ def test_figure_along_a_chain_is_of_the_first_wave(tmp_path):
         later.get_ydata()[-1]
     )
     assert drawing.columns["first_wave_peak_force_N"] == pytest.approx(first, nan_ok=True)
+
+
+def test_every_contact_that_the_wave_reached_has_a_mark_of_it(tmp_path):
+    """Also the contacts whose force still rises when the reflection comes; a larger pulse "may"
+    follow only where no larger force followed.
+    """
+    with run(tmp_path, YIELDING | {"packing.size": N_SHORT}) as result, style():
+        drawing = along_chain(result)
+        wave = first_wave(result)
+        words = words_along_chain(result, tmp_path)[1]
+    lines = {line.get_label(): line for line in drawing.figure.axes[0].lines}
+    later = set(lines.pop("largest of the run").get_xdata())
+    marked = np.sort(np.concatenate([line.get_xdata() for line in lines.values()]))
+    assert marked.tolist() == list(range(1, len(wave.peak) + 1))
+    assert wave.reflection is not None and "still rising" in lines
+    assert "Triangles: the first wave still rose when the reflection came" in words
+    assert set(lines["larger force followed"].get_xdata()) <= later
+    if "larger pulse may follow" in lines:
+        assert not later & set(lines["larger pulse may follow"].get_xdata())
+    assert drawing.columns["first_wave_recorded_force_N"] == pytest.approx(wave.peak)
 
 
 @pytest.mark.parametrize(("law", "n_beads"), [("elastoplastic", 25), ("hertz", 40)])

@@ -10,12 +10,14 @@ import json
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from pandas import DataFrame, concat
 
 from granwave.analysis.figures.scales import plain_powers
-from granwave.analysis.figures.style import style
+from granwave.analysis.figures.style import BLUE, style
+from granwave.analysis.measures.zone_size import Mark
 from granwave.analysis.scans.drawing import _scale_abscissae, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.figures import draw_scan_figures, drawings
 from granwave.analysis.scans.keys import key_of
@@ -140,6 +142,22 @@ def test_bars_of_two_curves_are_distinguished_without_colours():
     drawing = draw_bars(points(range(4), values, 2), ticks, "Bottom", "y", [key], ("bottom", "y"))
     hatches = [container[0].get_hatch() for container in drawing.figure.axes[0].containers]
     assert len(set(hatches)) == 2
+
+
+def test_marked_bars_keep_their_colour_and_zero_is_named():
+    """An open bar looked like the legend's box, and a bar of length zero like a missing one."""
+    ticks = ["fcc", "hcp", "bcc", "sc"]
+    table = points(range(4), [1.0, 2.0, 3.0, 0.0]).assign(mark=int(Mark.CUT))
+    drawing = draw_bars(table, ticks, "Packing", "y", [], ("packing", "y"))
+    (axes,) = drawing.figure.axes
+    (bars,) = axes.containers
+    assert {bar.get_facecolor() for bar in bars} == {to_rgba(BLUE)}
+    (marks,) = [line for line in axes.lines if line.get_marker() == "o"]
+    assert marks.get_xdata().tolist() == [1.0, 2.0, 3.0, 0.0]
+    assert [text.get_text() for text in axes.texts] == ["0"]
+    (legend,) = drawing.figure.legends
+    (handle,) = legend.legend_handles
+    assert handle.get_marker() == "o"
 
 
 def test_bars_of_many_short_names():

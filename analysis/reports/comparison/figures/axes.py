@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import chain
 from typing import Any
 
 import matplotlib.lines as mlines
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.markers import CARETRIGHTBASE
 
 from granwave.analysis.figures.series import COLOURS, label_log_axis, panels
 from granwave.analysis.figures.style import WIDTH
 from granwave.analysis.figures.user_axes import user_figure
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.reports.comparison.curves import SampledCurve
 from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
@@ -24,6 +26,10 @@ _COLOURS = (*COLOURS, "#882255", "#999933", "#E69F00", "#332288", "#8C564B", "#4
 _MICRO = 1e6
 _KILO = 1e3
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
+_EARLIEST = 1e-3  # earliest start of that axis / end of the shortest run
+_SMALL = 0.01  # smallest change that an axis of time shows, a fraction of the range
+_AFTER_CHANGE = 1.2  # end of an axis of time / time of the last such change
+_START_SIZE = 4.0  # size of the marks of the values at the start, points
 #: Line styles of the runs, which distinguish curves in grey prints; fits and measured curves are
 #: dotted. The styles with longer gaps are drawn over the others.
 _LINES: tuple[Any, ...] = (
@@ -147,24 +153,113 @@ def legend_above(figure: MatplotlibFigure) -> None:
     )
 
 
-def show_times_up_to(axes: Axes, ends: Mapping[ComparedRun, float]) -> None:
-    """Show the longest run completely; the axis is logarithmic if the lengths of the finished runs
-    differ a lot. Curves on a logarithmic axis start at their first positive time.
+def show_times_up_to(
+    axes: Axes,
+    ends: Mapping[ComparedRun, float],
+    changes: Mapping[ComparedRun, float] | None = None,
+    last_change: float = math.inf,
+) -> None:
+    """Show the longest run up to its last change; the axis is logarithmic if the lengths of the
+    finished runs differ a lot, and then begins before the first change of any run.
 
     Parameters
     ----------
     ends
         Ends of the runs, s. A run that was stopped ends anywhere, so that it makes no axis
         logarithmic.
+    changes
+        Time of the first change in each run, s, as of `first_change`.
+    last_change
+        Time, s, after which nothing changes in any run.
     """
-    finished = [end for run, end in ends.items() if not run.run.is_unfinished]
-    longest = max(ends.values()) * _MICRO
-    shortest = min(finished, default=math.inf) * _MICRO
-    if 0 < shortest * _UNLIKE < longest:
-        axes.set_xscale("log", nonpositive="mask")
-        axes.set_xlim(shortest / _UNLIKE**2, longest)
+    end = min(max(ends.values()), _AFTER_CHANGE * last_change) * _MICRO
+    if not are_times_logarithmic(ends):
+        axes.set_xlim(0, end or 1.0)
         return
-    axes.set_xlim(0, longest or 1.0)
+    axes.set_xscale("log", nonpositive="mask")
+    axes.set_xlim(_log_start(ends, changes or {}) * _MICRO, end)
+
+
+def are_times_logarithmic(ends: Mapping[ComparedRun, float]) -> bool:
+    """Return True if the lengths of the finished runs, s, differ too much for a linear axis."""
+    return 0 < _shortest(ends) * _UNLIKE < max(ends.values())
+
+
+def _shortest(ends: Mapping[ComparedRun, float]) -> float:
+    """Return the end of the shortest finished run, s; infinity without a finished run."""
+    return min((end for run, end in ends.items() if not run.run.is_unfinished), default=math.inf)
+
+
+def _log_start(ends: Mapping[ComparedRun, float], changes: Mapping[ComparedRun, float]) -> float:
+    """Return the start of a logarithmic axis of times, s."""
+    shortest = _shortest(ends)
+    first = min([shortest / _UNLIKE**2, *changes.values()])
+    return max(first, _EARLIEST * shortest)
+
+
+def first_change(curve: SampledCurve) -> float:
+    """Return the last sampled positive time, s, before the first change of a curve by a hundredth
+    of its range.
+    """
+    differs = np.abs(curve.y - curve.y[0]) > _SMALL * float(np.ptp(curve.y))
+    place = max(int(np.argmax(differs)) - 1, 1)
+    positive = curve.x[place:][curve.x[place:] > 0]
+    return float(positive[0]) if differs.any() and len(positive) else math.inf
+
+
+def last_change(curve: SampledCurve, full: float) -> float:
+    """Return the time, s, after which a curve is within a hundredth of ``full`` of its end."""
+    differs = np.flatnonzero(np.abs(curve.y - curve.y[-1]) > _SMALL * full)
+    return float(curve.x[min(differs[-1] + 1, len(curve.x) - 1)]) if len(differs) else 0.0
+
+
+def mark_start(axes: Axes, value: float, colour: Any) -> None:
+    """Mark the value at time 0 of a curve at the left edge of a logarithmic axis of times."""
+    left = axes.get_xlim()[0]
+    axes.plot(
+        left,
+        value,
+        marker=CARETRIGHTBASE,
+        color=colour,
+        markersize=_START_SIZE,
+        clip_on=False,
+        zorder=4,
+        label="_start",
+    )
+
+
+def start_notes(ends: Mapping[ComparedRun, float], changes: Mapping[ComparedRun, float]) -> str:
+    """Return a sentence on the start of a logarithmic axis of times with marks of `mark_start`;
+    empty for a linear axis.
+    """
+    if not are_times_logarithmic(ends):
+        return ""
+    start = _rounded_time(_log_start(ends, changes))
+    return f"Time is logarithmic from {start} on; triangles on the left edge: values at time 0."
+
+
+def end_notes(ends: Mapping[ComparedRun, float], last: float, steady: str) -> str:
+    """Return a sentence on an axis of times that ends before the longest run; empty if it shows the
+    complete run.
+
+    Parameters
+    ----------
+    steady
+        What stays constant beyond the last change, such as ``no sphere yields``.
+    """
+    longest = max(ends.values())
+    if _AFTER_CHANGE * last >= longest:
+        return ""
+    end = _rounded_time(_AFTER_CHANGE * last)
+    return (
+        f"The axis of time ends at {end} of {_rounded_time(longest)}: {steady} after "
+        f"{_rounded_time(last)}."
+    )
+
+
+def _rounded_time(time: float) -> str:
+    """Return a time, s, with three digits and a unit."""
+    return quantity_in(float(f"{time:.3g}"), "s")
 
 
 def force_unit(largest: float) -> tuple[float, str]:
@@ -197,21 +292,26 @@ def draw_measured(
 
 
 def log_if_wide(*panels_of_figure: Axes) -> None:
-    """Give the vertical axes of all panels one scale, logarithmic if their lines together span more
-    than a decade, otherwise linear from 0.
+    """Give the vertical axes of all panels one kind of scale, logarithmic if their lines together
+    span more than a decade, otherwise linear from 0; each panel has limits of its own.
     """
-    lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
-    values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
-    values = values[np.isfinite(values)]
-    is_logarithmic = is_wide(values)
-    positive = values[values > 0]
+    is_logarithmic = is_wide(np.concatenate([_drawn_values(axes) for axes in panels_of_figure]))
     for axes in panels_of_figure:
+        values = _drawn_values(axes)
+        positive = values[values > 0]
         if is_logarithmic and len(positive):
             axes.set_yscale("log")
             axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
             label_log_axis(axes, positive.max() / positive.min())
         else:
-            axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))
+            axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0) or 1.0)
+
+
+def _drawn_values(axes: Axes) -> Array:
+    """Return the finite values of the lines of axes."""
+    lines = [np.asarray(line.get_ydata(), dtype=np.float64) for line in axes.lines]
+    values = np.concatenate([*lines, np.empty(0)])
+    return values[np.isfinite(values)]
 
 
 def is_wide(values: Array) -> bool:

@@ -13,6 +13,7 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import SampledCurve, drawn_force_at_bottom
 from granwave.analysis.reports.comparison.figures.axes import (
     draw_measured,
+    first_change,
     force_unit,
     legend_above,
     run_panels,
@@ -25,7 +26,7 @@ from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _MICRO = 1e6
-_HIDES = 30.0  # ratio of the largest to the smallest peak that a linear axis hides
+_HIDES = 8.0  # ratio of the largest to the smallest peak that a linear axis hides
 _BELOW = 1e-2  # lowest force of a logarithmic axis, divided by the smallest peak
 
 
@@ -47,7 +48,8 @@ def draw_bottom_force(
         columns |= {f"{name}_time_s": curve.x, f"{name}_force_N": curve.y}
     columns |= draw_measured(axes, measured, _MICRO, scale)
     label(axes, "Time (µs)", f"Force on the bottom ({unit})")
-    show_times_up_to(axes, {run: float(curve.x[-1]) for run, curve in curves.items()})
+    ends = {run: float(curve.x[-1]) for run, curve in curves.items()}
+    show_times_up_to(axes, ends, {run: first_change(curve) for run, curve in curves.items()})
     _show_small_forces(axes, [scale * float(curve.y.max()) for curve in curves.values()])
     legend_above(figure)
     return Drawing(figure, columns)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -17,12 +19,18 @@ from granwave.analysis.reports.comparison.curves import (
     numerical_shares,
 )
 from granwave.analysis.reports.comparison.figures.axes import (
+    are_times_logarithmic,
+    end_notes,
+    first_change,
     is_in_a_row,
     label_lowest,
+    last_change,
     legend_above,
+    mark_start,
     run_panels,
     run_styles,
     show_times_up_to,
+    start_notes,
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
 from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
@@ -34,6 +42,7 @@ _WITH_PUNCH = "Kinetic,\nwith punch"
 _BLOCK_KEY = "energy_kinetic_J"
 _PUNCH_KEY = "energy_punch_J"
 _SIDE_BY_SIDE = 2.5  # inches
+_NO_CHANGE = "no energy changes by more than 1 % of the input"
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 
 
@@ -47,25 +56,49 @@ def draw_energies(
     forms = [form for form in FORMS if _has_energy(curves, form)]
     figure, *stack = run_panels(len(curves), len(forms), 1.0 + 1.1 * len(forms), _SIDE_BY_SIDE)
     columns: dict[str, Array] = {}
-    ends: dict[ComparedRun, float] = {}
+    colours: dict[ComparedRun, str] = {}
     for run, look in run_styles(list(curves)).items():
+        colours[run] = look["color"]
         linestyle = look.pop("linestyle")
         for axes, form in zip(stack, forms, strict=True):
             curve = curves[run][form]
             against_time(axes, curve.x, curve.y, linestyle, **look)
             name = column_name(run.label)
             columns |= {f"{name}_time_s": curve.x, f"{name}_{form}_over_input": curve.y}
-        ends[run] = float(curves[run][forms[0]].x[-1])
+    times = _Times.of(curves)
     for axes, form in zip(stack, forms, strict=True):
         of_input = " / input" if is_in_a_row(len(curves)) else ""
         label(axes, y=f"{_title(form, curves)}{of_input}")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-        show_times_up_to(axes, ends)
+        show_times_up_to(axes, times.ends, times.first_changes, times.last_change)
+        if are_times_logarithmic(times.ends):
+            for run, colour in colours.items():
+                mark_start(axes, float(curves[run][form].y[0]), colour)
     label_lowest(stack, len(curves), "Time (µs)")
     if not is_in_a_row(len(curves)):
         figure.supylabel("Energy / input", fontsize=8)
     legend_above(figure)
     return Drawing(figure, columns)
+
+
+@dataclass(frozen=True)
+class _Times:
+    """Times of the curves of energy: ends of the runs, their first changes, and the last change of
+    all; s.
+    """
+
+    ends: dict[ComparedRun, float]
+    first_changes: dict[ComparedRun, float]
+    last_change: float
+
+    @classmethod
+    def of(cls, curves: Mapping[ComparedRun, Mapping[str, SampledCurve]]) -> _Times:
+        """Return the times of runs; energies are divided by the input."""
+        forms = {run: list(shares.values()) for run, shares in curves.items()}
+        ends = {run: float(shares[0].x[-1]) for run, shares in forms.items()}
+        first = {run: min(map(first_change, shares)) for run, shares in forms.items()}
+        every = chain.from_iterable(forms.values())
+        return cls(ends, first, max(last_change(curve, 1.0) for curve in every))
 
 
 def _title(form: str, runs: Iterable[ComparedRun]) -> str:
@@ -80,6 +113,19 @@ def _has_energy(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], form: 
 
 
 def energy_notes(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]]) -> str:
+    """Return sentences on the dissipated energy, on energies that are in no panel, and on the axis
+    of time.
+    """
+    times = _Times.of(curves)
+    notes = [
+        _notes_on_energies(curves),
+        start_notes(times.ends, times.first_changes),
+        end_notes(times.ends, times.last_change, _NO_CHANGE),
+    ]
+    return " ".join(filter(None, notes))
+
+
+def _notes_on_energies(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]]) -> str:
     """Return sentences on the dissipated energy, and on energies that are in no panel."""
     blocks = [run for run in curves if not run.has_spheres]
     if not blocks:

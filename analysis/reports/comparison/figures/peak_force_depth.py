@@ -47,10 +47,10 @@ def draw_peaks(
 ) -> Drawing:
     """Draw the largest and median peak force of each layer against depth, with the fits.
 
-    If each layer is one sphere, as in a chain, there is no panel of the median. Lines have gaps
-    where layers are left out.
+    There is no panel of the median if each layer is one sphere, as in a chain, or if no run has a
+    median. Each panel has its own limits. Lines have gaps where layers are left out.
     """
-    n_panels = 1 + _have_layers(peaks)
+    n_panels = 1 + _have_medians(peaks)
     figure, upper, *others = run_panels(len(peaks), n_panels, 1.0 + 1.8 * n_panels)
     fits = common_fits(peaks)
     columns: dict[str, Array] = {}
@@ -98,8 +98,13 @@ def _has_median(peaks: PeaksByDepth) -> NDArray[np.bool_]:
 def median_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return a sentence on runs without a median force; empty if there are none."""
     names = [run.name for run, one in peaks.items() if not _has_median(one).any()]
-    if not names:
+    if not _have_layers(peaks) or not names:
         return ""
+    if len(names) == len(peaks):
+        return (
+            "No panel of the medians: in every run more than half of the spheres of each layer stay "
+            "at rest."
+        )
     listed = named(names, len(names))
     return f"No median, since more than half of the spheres of each layer stay at rest: {listed}."
 
@@ -281,7 +286,14 @@ def _layer_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return a sentence on the spheres whose forces are drawn; empty if each layer is one
     sphere.
     """
-    return "Largest and median sphere of each layer." if _have_layers(peaks) else ""
+    if _have_medians(peaks):
+        return "Largest and median sphere of each layer, on axes of their own."
+    return "Largest sphere of each layer." if _have_layers(peaks) else ""
+
+
+def _have_medians(peaks: Mapping[ComparedRun, PeaksByDepth]) -> bool:
+    """Return True if the layers of any run have several spheres, and a median force."""
+    return _have_layers(peaks) and any(bool(_has_median(one).any()) for one in peaks.values())
 
 
 def _have_layers(peaks: Mapping[ComparedRun, PeaksByDepth]) -> bool:

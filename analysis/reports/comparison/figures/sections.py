@@ -49,7 +49,7 @@ PEAK_FORCE_FIELD = ComparisonFigure(
     "the run, on a common colour scale",
     force_field,
     draw_field_panels,
-    look="White: no contact force.",
+    look="White with an outline: no contact force; without an outline: no sphere.",
     notes=_field_notes,
     most=MOST_PANELS,
     is_cumulative=True,

@@ -9,9 +9,15 @@ from granwave.analysis.figures.series import column_name, label
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.reports.comparison.curves import GrowthCurves, growth
+from granwave.analysis.reports.comparison.curves import (
+    GrowthCurves,
+    SampledCurve,
+    growth,
+)
 from granwave.analysis.reports.comparison.figures.axes import (
+    end_notes,
     label_lowest,
+    last_change,
     legend_above,
     run_panels,
     run_styles,
@@ -23,6 +29,7 @@ from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _MICRO = 1e6
 _MILLI = 1e3
+_NO_GROWTH = "number and depth grow by less than 1 %"
 
 
 def draw_growth(
@@ -43,16 +50,39 @@ def draw_growth(
         }
     label(upper, y="Yielded spheres")
     label(lower, y="Deepest yield (mm)")
-    ends = {run: float(zone.time[-1]) for run, zone in zones.items()}
+    ends = _ends(zones)
+    first_yields = {run: float(zone.time[1]) for run, zone in zones.items()}
     for axes in (upper, lower):
         axes.set_ylim(bottom=0)
-        show_times_up_to(axes, ends)
+        show_times_up_to(axes, ends, first_yields, _last_change(zones))
     label_lowest([upper, lower], len(zones), "Time (µs)")
     legend_above(figure)
     return Drawing(figure, columns)
 
 
+def _ends(zones: Mapping[ComparedRun, GrowthCurves]) -> dict[ComparedRun, float]:
+    """Return the ends of runs, s."""
+    return {run: float(zone.time[-1]) for run, zone in zones.items()}
+
+
+def _last_change(zones: Mapping[ComparedRun, GrowthCurves]) -> float:
+    """Return the time, s, after which the zone of no run grows noticeably."""
+    times = [0.0]
+    for zone in zones.values():
+        for values in (zone.spheres, zone.depth):
+            times.append(last_change(SampledCurve(zone.time, values), float(values[-1])))
+    return max(times)
+
+
 def growth_notes(zones: Mapping[ComparedRun, GrowthCurves]) -> str:
+    """Return sentences on runs whose largest depths are equal, and on the axis of time; empty if
+    there are none.
+    """
+    of_axis = end_notes(_ends(zones), _last_change(zones), _NO_GROWTH)
+    return " ".join(filter(None, [_equal_depths(zones), of_axis]))
+
+
+def _equal_depths(zones: Mapping[ComparedRun, GrowthCurves]) -> str:
     """Return a sentence on runs whose largest depths are equal; empty if there are none."""
     names: dict[str, list[str]] = {}
     for run, zone in zones.items():

@@ -110,8 +110,10 @@ def test_laws_that_do_not_describe_the_forces_are_refused(place):
     assert "chain (the peak force is constant within 0.1 % in the deeper half)" in text
 
 
-def test_one_scale_for_all_panels(place):
-    """The median of a layer spans less than a decade, the largest force more."""
+def test_one_kind_of_scale_for_all_panels(place):
+    """The median of a layer spans less than a decade, the largest force more; each panel has limits
+    of its own, so that medians are not squashed into a small part of their panel.
+    """
     figure = drawn(compared(place, "fcc", "hcp"))["peak_force_depth"].figure
     assert len({axes.get_yscale() for axes in figure.axes}) == 1
     depth = np.arange(1.0, 9.0)
@@ -120,7 +122,7 @@ def test_one_scale_for_all_panels(place):
     with style():
         axes = draw_peaks(peaks, []).figure.axes
     assert [panel.get_yscale() for panel in axes] == ["log", "log"]
-    assert axes[0].get_ylim() == axes[1].get_ylim()
+    assert axes[0].get_ylim()[0] < 8**-3.0 < 0.5 < axes[1].get_ylim()[0] < 8**-0.1
 
 
 def test_fronts_begin_below_the_impacted_sphere(place):
