@@ -466,14 +466,15 @@ def _rows_beyond_law(
     """
     rows: dict[str, frozenset[int]] = {}
     for name in names:
-        marked = [
-            row
-            for row, group in enumerate(groups)
-            if any(is_beyond_law(name, point.summary) for point in group)
-        ]
+        marked = [row for row, group in enumerate(groups) if _has_beyond_law(name, group)]
         if marked:
             rows[name] = frozenset(marked)
     return rows
+
+
+def _has_beyond_law(name: str, group: Sequence[PointResult]) -> bool:
+    """Return True if contacts beyond the range of the law determine a value of any point."""
+    return any(is_beyond_law(name, point.summary) for point in group)
 
 
 def _lacks_zone(group: Sequence[PointResult]) -> bool:

@@ -105,13 +105,26 @@ def _note_blocks(comparison: Comparison) -> list[Block]:
         if not title:
             blocks += [Note(text, "note") for text in notes]
             continue
-        sentences = [text for note in notes for text in re.split(_BETWEEN_SENTENCES, note)]
-        n_shown = _n_on_two_lines(sentences)
-        if shown := " ".join(sentences[:n_shown]):
-            blocks.append(Note(shown, "note"))
-        if rest := tuple(Note(text) for text in sentences[n_shown:]):
-            blocks.append(Group(f"{title}: {len(rest)} more", rest, folded=True))
+        if not notes:
+            continue
+        shown, rest = _first_lines(notes)
+        blocks.append(Note(shown, "note"))
+        if rest:
+            blocks.append(Group(f"{title}: {len(rest)} more", tuple(map(Note, rest)), folded=True))
     return blocks
+
+
+def _first_lines(notes: Sequence[str]) -> tuple[str, list[str]]:
+    """Return the first notes on two lines, or the first sentences of a long first note, and the
+    other notes.
+    """
+    n_notes = _n_on_two_lines(notes)
+    if n_notes > 1 or len(notes[0]) <= _TWO_LINES:
+        return " ".join(notes[:n_notes]), list(notes[n_notes:])
+    sentences = re.split(_BETWEEN_SENTENCES, notes[0])
+    n_shown = _n_on_two_lines(sentences)
+    left = " ".join(sentences[n_shown:])
+    return " ".join(sentences[:n_shown]), [left, *notes[1:]] if left else list(notes[1:])
 
 
 def _n_on_two_lines(sentences: Sequence[str]) -> int:

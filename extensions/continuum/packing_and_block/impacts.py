@@ -377,7 +377,7 @@ def _granular(run: FinishedRun) -> dict[str, Any]:
         "n_spheres": run.assembly.lattice.n_spheres,
         "packing": f"{packing.kind} {' × '.join(map(str, packing.size))}",
         "substance": (*constants.values(), packing.diameter, case.contact),
-        "shape": (packing.kind, packing.size, boundary.bottom, boundary.sides, *_load_of(case)),
+        "shape": (packing.kind, packing.size, boundary, *_load_of(case)),
         "held": (packing.kind, boundary, *_load_of(case)),
     }  # fmt: skip
 

@@ -117,8 +117,10 @@ def _drawn_in_words(impacts: Impacts, sides: Mapping[str, DataFrame]) -> str:
     are not drawn with their reasons.
     """
     packings = sides["packing"]
-    lines = [packings[packings["shape"].isin(impacts.reference["shape"])], sides["continuum"]]
-    names = [name for side in lines if len(side) for name in side["label"]]
+    names: list[str] = []
+    of_reference = packings[packings["shape"].isin(impacts.reference["shape"])]
+    for side in (of_reference, sides["continuum"]):
+        names += side["label"].tolist() if len(side) else []
     text = f"Lines join runs that differ only in the velocity. Reference: {named(names) or 'none'}"
     if apart := list(_apart(impacts, packings)):
         text += f"; other packings: {named(apart)}"

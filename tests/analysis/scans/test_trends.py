@@ -188,8 +188,8 @@ def test_points_beyond_the_law_are_marked(tmp_path):
 
     means = means_with(tmp_path / "scan", grid(load__velocity=[20, 60, 150]), values_of)
     assert means.sentence(PEAK).endswith(
-        "At 1 of 3 points (impact velocity 150 m/s) it is extrapolated: overlaps of contacts exceed "
-        "0.2 R*, the limit of the law."
+        "At 1 of 3 points (impact velocity 150 m/s) it is extrapolated: overlaps of contacts "
+        "exceed 0.2 R*, the limit of the law."
     )
     assert means.range_in_words(PEAK).endswith("; extrapolated beyond the law at 1 of 3")
     assert [means.marks(PEAK, row) for row in range(3)] == ["", "", "‡"]
