@@ -177,9 +177,9 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
              meaning="Simulated time divided by the number of steps; the mean of an automatic "
              "timestep."),
     Quantity("timestep_smallest_s", "Smallest timestep", digits=".4g",
-             note="Value of all steps of the run."),
+             note="Smallest timestep of the run."),
     Quantity("timestep_largest_s", "Largest timestep", digits=".4g",
-             note="Value of all steps of the run."),
+             note="Largest timestep of the run."),
     Quantity("n_steps", "Steps", note="Number of steps of the run."),
     Quantity("wall_time_s", digits=".1f", note="Wall time of the time integration."),
     Quantity("sphere_steps_per_s", short="speed", digits=".3g", phrase="{} sphere-steps/s",
@@ -296,7 +296,7 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     "Contacts": (
     Quantity("peak_force_N", "Peak contact force, excluding walls",
              "Largest force of all contacts between two spheres at any time; in the continuum, the "
-             "largest force on the punch, as means between records, which are at most 0.2 us "
+             "largest force on the punch, as means between records, which are at most 0.2 µs "
              "apart.", short="peak force, excluding walls", digits=".6g",
              axis="Peak force between spheres", symbol=r"F_\mathrm{max}"),
     Quantity("peak_force_with_walls_N", "Peak contact force, including walls",
@@ -426,7 +426,7 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     Quantity("peak_reduction", "Peak reduction",
              "Peak force on the bottom without the packing, divided by the peak dynamic force with "
              "it, which excludes the static force before the load; null for oscillating loads.",
-             short="peak without packing", digits=".3g", phrase="{} times as high",
+             short="peak force without / with packing", digits=".3g",
              axis="Peak force without / with packing"),
     Quantity("ground_peak_reduction", "Peak reduction on the ground",
              "Peak force on the ground without the packing, divided by the peak dynamic force with "
@@ -442,11 +442,13 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
              phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
              note="Speed of the wave front in the deeper half of the layers that the wave reached "
-                  "in the run, for any materials. The front reaches a contact when its force first "
-                  "exceeds 10 % of its largest value. Requires at least nine layers. Null for "
-                  "parallel cylinders."),
+                  "in the run, for any materials. The front reaches a bead of a chain when the "
+                  "force first exceeds 10 % of its first pulse, a contact of a packing when the "
+                  "force first exceeds 10 % of its largest value. Requires at least nine layers. "
+                  "Null for parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
-             note="Velocity along the impact or load.direction; negative after a rebound."),
+             note="Velocity along the impact or load.direction; negative after a rebound. With "
+                  "strikers, the velocity of the moving striker."),
     Quantity("restitution", digits=".5g", axis="Coefficient of restitution", symbol="e",
              meaning="Coefficient of restitution: relative normal velocity of the two bodies "
              "after the impact divided by the relative normal velocity before it.",
@@ -618,6 +620,14 @@ def all_scan_figures() -> dict[str, str]:
     return SCAN_FIGURES | {
         entry.scan_figure: entry.name for entry in entries() if entry.scan_figure
     }
+
+
+#: Sizes of the plastic zone that change by whole layers, with the sizes interpolated between
+#: layers, which sentences and short tables give.
+SIZES_BY_LAYERS = {
+    "zone_depth_90_m": "zone_depth_90_interpolated_m",
+    "zone_radius_90_m": "zone_radius_90_interpolated_m",
+}
 
 
 def scan_figures(there: Container[str]) -> dict[str, str]:

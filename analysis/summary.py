@@ -21,6 +21,7 @@ from granwave.analysis.measures.driven import (
     mean_power_of,
     transmission_of,
 )
+from granwave.analysis.measures.impactor import impactor_velocity
 from granwave.analysis.measures.incomplete_values import INCOMPLETE, incomplete_values
 from granwave.analysis.measures.law_errors import law_errors
 from granwave.analysis.measures.lines import (
@@ -47,6 +48,7 @@ from granwave.lammps_inputs.packing.motion import start_speed
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.rounding import without_rounding
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 logger = logging.getLogger(__name__)
@@ -103,7 +105,7 @@ def summarise(
     with Result(results, at_once, assembly) as result:
         summary = summary_of(result, processes)
         summary |= _added_values(result, summary)
-    text = json.dumps(plain(summary), indent=2, allow_nan=False)
+    text = json.dumps(without_rounding(plain(summary)), indent=2, allow_nan=False)
     results.claim([SUMMARY_FILE])
     replace_text(results / SUMMARY_FILE, text + "\n")
     return json.loads(text)
@@ -159,7 +161,7 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         **({"n_cylinders": n_cylinders} if n_cylinders else {}),
         **({"n_clumps": n_clumps} if n_clumps else {}),
         "wave_speed_m_s": wave_speed_of(result),
-        "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
+        "impactor_velocity_m_s": impactor_velocity(result),
         "restitution": rebound,
         **law_errors(result, rebounds=rebound is not None),
         "wall_time_s": wall_time,

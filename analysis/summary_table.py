@@ -110,7 +110,7 @@ def _remark(name: str, summary: Mapping[str, Any]) -> str:
     if name == "wall_peak_force_N" and summary.get("wall_sample_s"):
         return f", sampled every {quantity_in(summary['wall_sample_s'], 's')}"
     if name == "peak_reduction" and summary.get("wall_dynamic_peak_force_N") is not None:
-        return " as the dynamic part"
+        return ", of the dynamic part"
     return ""
 
 

@@ -21,9 +21,11 @@ extensions = [
     "code_tables",  # reference pages from the code's own tables, in _ext
     "studies",  # the gallery, in _ext
     "mathml",  # equations without a script, in _ext
+    "math_font",  # the font of the equations, in _ext
     "index_entries",  # entries of the index for rows of tables, in _ext
     "menu_groups",  # headings of groups in the menu, in _ext
-    "page_elements",  # pictures that enlarge, and breaks in code, in _ext
+    "page_elements",  # pictures that enlarge or scroll, and breaks in code, in _ext
+    "notebook_links",  # links to the files of notebooks, in _ext
 ]
 html_math_renderer = "mathml"
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
 
 _MOST_ERRORS = 100  # most lines of one error
 _MOST_OF_TABLE = 5  # most errors of one table of measurements
@@ -141,15 +141,13 @@ class InputError(GranwaveError, ValueError):
         """The faults as text, one line each."""
         return [str(item) for item in self.items]
 
-    @property
-    def faults(self) -> list[str]:
-        """Former name of ``errors``, deprecated since 0.3."""
-        warnings.warn(
-            "InputError.faults is now called errors; removed in 1.1",
-            DeprecationWarning,
-            stacklevel=2,
-        )
-        return self.errors
+    if not TYPE_CHECKING:  # type checkers reject the former name by themselves
+
+        def __getattr__(self, name: str) -> NoReturn:
+            """Reject ``faults``, the former name of ``errors``, with the present one."""
+            if name == "faults":
+                raise AttributeError("InputError.faults is now called errors; removed in 1.1")
+            raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'")
 
     def __reduce__(self) -> tuple[type[InputError], tuple[list[InputFault]]]:
         return type(self), (self.items,)

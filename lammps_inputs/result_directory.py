@@ -33,6 +33,7 @@ from granwave.lammps_inputs.files import (
 )
 from granwave.lammps_inputs.own_files import AnyPath, OwnFiles
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.rounding import without_rounding
 
 logger = logging.getLogger(__name__)
 _TAKEN = (
@@ -275,8 +276,8 @@ class ResultDirectory(OwnFiles):
     # ------------------------------------------------------------------ finished files
 
     def summary(self) -> dict[str, Any]:
-        """Read the values of summary.json; empty if missing or damaged."""
-        return read_json(self.path / run_directory.SUMMARY_FILE) or {}
+        """Read the values of summary.json, without rounding; empty if missing or damaged."""
+        return without_rounding(read_json(self.path / run_directory.SUMMARY_FILE) or {})
 
     def note_files(self, names: Iterable[str]) -> None:
         """Store sizes and checksums of finished files in the marker, so that `changed_file` detects

@@ -460,7 +460,7 @@ def _warn_of_jumps(overlap: Array, source: str) -> None:
     is_far = steps[row] > _JUMP * float(np.ptp(overlap))
     if is_far and steps[row] > _FAR * float(np.median(steps)):
         _LOG.warning(
-            "%s: the overlap jumps from %.4g to %.4g um at row %d, but rows must be in the order "
+            "%s: the overlap jumps from %.4g to %.4g µm at row %d, but rows must be in the order "
             "of measurement; sort them, or add a column branch (loading, unloading_1, ...)",
             source,
             overlap[row] * _MICRO,

@@ -116,7 +116,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("plastic_zone_size", plastic_zone.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a depth, and beyond a radius about the "
      "impact axis",
-     "The curves reach 0.1 at the 90 % depth and radius. The horizontal axis ends where less "
+     "The curves reach 0.1 at the 90 % depth and radius, which are those of whole layers and "
+     "shells, not interpolated. The horizontal axis ends where less "
      "than 1e-5 of the total is beyond."),
     ("energies", histories.energies, "Energies and the error of their balance",
      "A constant dissipated energy shows that no contact dissipates any more; the residual is the "

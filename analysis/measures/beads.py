@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.measures.dynamic_force import BEFORE_END
-from granwave.analysis.measures.leading_wave import REACHED
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.waves import wave_speed
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.added_grains import has_added_to_chain
 
@@ -45,7 +43,7 @@ def bead_peaks(result: Result) -> Array:
     is_bead = beads_on_axis(result)
     if is_bead is None:
         return np.empty(0)
-    above, below, depth = _pairs(result, is_bead)
+    above, below, depth = bead_pairs(result, is_bead)
     peak = result.of_pairs("peak_force", above, below)
     if result.case.precompression is not None:
         peak = peak - result.of_pairs("initial_force", above, below)
@@ -59,25 +57,10 @@ def bead_contact_depths(result: Result) -> Array:
     m.
     """
     is_bead = beads_on_axis(result)
-    return np.empty(0) if is_bead is None else _pairs(result, is_bead)[2]
+    return np.empty(0) if is_bead is None else bead_pairs(result, is_bead)[2]
 
 
-def crest_speed(result: Result) -> float | None:
-    """Return the speed of the crest of the wave along the beads of a chain with added grains, m/s:
-    the slope of the depth of their contacts against the time of the peak force, over the contacts
-    of `waves.wave_speed`. None without such a chain, and for too few contacts.
-    """
-    is_bead = beads_on_axis(result)
-    if is_bead is None or result.case.load.keeps_oscillating:
-        return None
-    peaks = np.nan_to_num(bead_peaks(result))
-    above, below, depth = _pairs(result, is_bead)
-    is_reached = peaks > REACHED * peaks.max(initial=0.0)
-    when = np.where(is_reached, result.of_pairs("time_peak", above, below), np.inf)
-    return wave_speed(depth, when, result.case.packing.diameter)
-
-
-def _pairs(
+def bead_pairs(
     result: Result, is_bead: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
     """Return the ids of the upper and of the lower bead of each contact of two beads, and the depth

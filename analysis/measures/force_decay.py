@@ -301,7 +301,10 @@ def both_decays(
     n_fitted = int(np.count_nonzero(fitted))
     if n_fitted < _LEAST_FIT:
         is_cut = bool(np.any(below & peaks.is_later))
-        return f"only {n_fitted} layers{' before the reflection' if is_cut else ''}"
+        before = " before the reflection" if is_cut else ""
+        if not n_fitted:
+            return f"no layers{before}"
+        return f"only {n_fitted} {'layer' if n_fitted == 1 else 'layers'}{before}"
     if _differs_along_depth(result, peaks.depth[below]):
         return "the material or the diameter changes with depth"
     depth = peaks.depth[fitted]

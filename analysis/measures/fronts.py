@@ -2,10 +2,10 @@
 line through them.
 
 Lines are the beads of a chain, or in a packing the grain of each layer that is nearest to the axis
-of the load; and the straight lines of grains ``[[line]]`` of the case. The wave arrives at a grain
-as contacts record it (see `granwave.analysis.measures.waves`), in a chain under static load once
-the speed of the bead first passes 10 % of its largest, at a grain of a ``[[line]]`` as in
-`granwave.analysis.measures.lines`.
+of the load; and the straight lines of grains ``[[line]]`` of the case. The wave arrives at a bead
+of a chain with its first pulse (see `granwave.analysis.measures.first_pulse`), at a grain of a
+packing as contacts record it (see `granwave.analysis.measures.waves`), at a grain of a ``[[line]]``
+as in `granwave.analysis.measures.lines`.
 
 The line through the arrivals is a least-squares fit of position against time. Along the load it
 uses the arrivals of `granwave.analysis.measures.waves.wave_speed`: the deeper half, without the
@@ -19,22 +19,21 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.first_pulse import has_recorded_chain
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.lines import lines_of
-from granwave.analysis.measures.signals import Array, arrivals
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import (
     arrivals_of_groups,
     fitted_layers,
     has_parallel_cylinders,
 )
-from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 
 AXIS = "axis"  # name of the line along the load
 _BESIDE = 1.0  # largest distance from the axis of the load, diameters
 _VERTICAL = 1 - 1e-9  # z component of a vertical unit vector
 _FEWEST = 2  # fewest grains of a line
-_RISEN = 0.01  # fraction of the largest speed of all: slower grains were not reached
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -130,7 +129,7 @@ def _along_axis(result: Result, place: Array, direction: Array) -> LineMotion:
     ids = ids[order]
     along = along[order]
     velocity = velocity[:, order]
-    arrival = _arrivals(result, ids, time, velocity)
+    arrival = _arrivals(result, ids)
     front = _front_along_load(result, along, arrival)
     # the wave starts at a loaded grain, whose first contact is also the first of the next grain
     arrival = np.where(np.isin(ids, result.struck), np.nan, arrival)
@@ -161,32 +160,14 @@ def _nearest_to_axis(
     return inside[chosen], along[chosen] - start
 
 
-def _arrivals(result: Result, ids: NDArray[np.int64], time: Array, velocity: Array) -> Array:
+def _arrivals(result: Result, ids: NDArray[np.int64]) -> Array:
     """Return the arrivals of the wave at grains, s; NaN without an arrival or a record."""
-    if result.case.precompression is None:
-        return _arrivals_by_contacts(result, ids)
-    if "chain" not in result:
+    if result.case.precompression is not None and not has_recorded_chain(result):
         return np.full(len(ids), np.nan)
-    return _first_passes(time, velocity)
-
-
-def _arrivals_by_contacts(result: Result, ids: NDArray[np.int64]) -> Array:
-    """Return the arrivals at grains that their contacts recorded, s; NaN without an arrival."""
     group = np.full(result.n_spheres, -1, dtype=np.int64)
     group[result.rows(ids)] = np.arange(len(ids))
     arrival = arrivals_of_groups(result, group, len(ids))
     return np.where(np.isfinite(arrival), arrival, np.nan)
-
-
-def _first_passes(time: Array, velocity: Array) -> Array:
-    """Return the times at which the speed of each grain first passes 10 % of its largest value, s,
-    interpolated between records; NaN for grains that the wave did not reach before the end.
-    """
-    speed = np.abs(velocity)
-    largest = speed.max(axis=0)
-    is_complete = speed.argmax(axis=0) < len(time) - 1
-    is_reached = is_complete & (largest > _RISEN * largest.max(initial=0.0))
-    return np.where(is_reached, arrivals(time, speed, ARRIVED * largest), np.nan)
 
 
 def _front_along_load(result: Result, along: Array, arrival: Array) -> Front | None:

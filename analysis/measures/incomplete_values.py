@@ -47,14 +47,21 @@ _LEAST_GROWTH = 1e-4  # growth of a fraction of the input that is always disrega
 
 
 def incomplete_values(result: Result) -> list[str]:
-    """Return the names of the values of a run that its end limits, in the order of the summary."""
+    """Return the names of the values of a run that its end limits, in the order of the summary.
+
+    A wave that stays in its layer never loads the bottom, whose values are complete.
+    """
+    from granwave.analysis.measures.waves import stays_in_layer  # loads h5py
+
     names = [f"{name}_fraction" for name in _growing_energies(result)]
     if DISSIPATED_FRACTION in names:
         names.append("energy_dissipated_J")
     if _YIELDED in result and _has_growing_count(result["energy/time"], result[_YIELDED]):
         names += COUNTS
     record = reached(result)
-    return names if record is None else [*names, *_of_bottom(record)]
+    if record is None or (not record.is_reached and stays_in_layer(result)):
+        return names
+    return [*names, *_of_bottom(record)]
 
 
 def incomplete_in(summary: Mapping[str, Any]) -> Collection[str]:

@@ -16,8 +16,9 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.measures.first_pulse import bead_arrivals, has_recorded_chain
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
-from granwave.analysis.measures.signals import Array, arrivals
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target_record import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
@@ -223,15 +224,14 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
 def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
     """Speed of the front of the wave into the depth: slope of depth against arrival, by layers.
 
-    The front is at a layer when the force of a contact there first passes 10 % of the largest
-    force of that contact. The slope is a least-squares fit to the deeper half of the layers that
-    were reached, without the five uppermost layers, where the wave develops its shape. The
-    reflection from the bottom does not affect it, unlike the times of peak forces. The first
-    nonzero force is not a suitable measure: ahead of a wave in Hertzian contacts the overlap falls
-    faster than exponentially, so that the rounding of the coordinates decides when it is first
-    above zero. On a chain of Hertz contacts the speed is within 2 % of the solitary wave's 0.6802
-    (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker it also becomes slower
-    and longer, and its front is faster than its peak.
+    The front is at a layer as `front_arrivals` defines it. The slope is a least-squares fit to the
+    deeper half of the layers that were reached, without the five uppermost layers, where the wave
+    develops its shape. The reflection from the bottom does not affect it, unlike the times of peak
+    forces. The first nonzero force is not a suitable measure: ahead of a wave in Hertzian contacts
+    the overlap falls faster than exponentially, so that the rounding of the coordinates decides
+    when it is first above zero. On a chain of Hertz contacts the speed is within 2 % of the
+    solitary wave's 0.6802 (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker
+    it also becomes slower and longer, and its front is faster than its peak.
 
     Parameters
     ----------
@@ -277,13 +277,11 @@ def fitted_layers(mean: Array, first: Array, diameter: float) -> tuple[Array, Ar
 def wave_speed_of(result: Result) -> float | None:
     """Speed of the wave into the depth of a run, m/s; None if it is not known, see `wave_speed`.
 
-    After precompression it is known only in a chain with recorded forces: there the front is at a
-    contact once its force has risen by 10 % of its largest rise, if the rise was complete before
-    the end of the run. For weak waves in a chain of Hertz contacts this speed is 3 % above the
-    speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
+    After precompression it is known only in a chain with recorded forces. For weak waves in a chain
+    of Hertz contacts this speed is 3 % above the speed of sound, D sqrt(k/m) with the contact
+    stiffness k under the static force.
 
-    None for loads that keep oscillating: the largest force of a bead may occur at any time, and
-    later in beads that absorb. A burst passes once.
+    None for loads that keep oscillating: they have no front of one height. A burst passes once.
 
     None for a load that does not push down: its wave does not start at the top.
 
@@ -294,20 +292,9 @@ def wave_speed_of(result: Result) -> float | None:
     load = result.case.load
     if has_parallel_cylinders(result) or load.way[2] <= 0 or load.keeps_oscillating:
         return None
-    if result.case.precompression is None:
-        return wave_speed(*front_arrivals(result), diameter)
-    if "chain" not in result:
+    if result.case.precompression is not None and not has_recorded_chain(result):
         return None
-    rise = result["chain/contact_force"] - result["chain/contact_force"][0]
-    if not rise.size:  # a single bead
-        return None
-    largest = rise.max(axis=0)
-    passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
-    arrival = np.where(passed, arrivals(result["chain/time"], rise, ARRIVED * largest), np.nan)
-    return wave_speed(
-        *first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter),
-        diameter,
-    )
+    return wave_speed(*front_arrivals(result), diameter)
 
 
 def has_parallel_cylinders(result: Result) -> bool:
@@ -316,24 +303,16 @@ def has_parallel_cylinders(result: Result) -> bool:
     return result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
 
 
-def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array, Array]:
-    """Return the depth of the layers of spheres (n_spheres,), m, and the earliest arrival at each,
-    s; inf: never.
-    """
-    mean, layer = layers(depth, np.array([diameter / 2]), diameter)
-    first = np.full(len(mean), np.inf)
-    np.fmin.at(first, layer, arrival)
-    return mean, first
-
-
 def front_arrivals(result: Result) -> tuple[Array, Array]:
     """Return the depth of each layer, m, and the arrival time of the wave front, s; inf if it never
     arrived.
 
-    The front arrives with the earliest arrival at a contact that carries at least 10 % of the
-    largest force of the layer. Contacts do not count if their force still rises at the end of the
-    run, so that their largest force is not known, or if they carry less than 1e-4 of the largest
-    force of all: grains that touch overlap by the rounding of their coordinates.
+    At a bead of a chain with recorded forces it arrives with the first pulse, see
+    `granwave.analysis.measures.first_pulse`. In other packings it arrives with the earliest arrival
+    at a contact that carries at least 10 % of the largest force of the layer. Layers whose arrival
+    is later than at all contacts that have passed their largest force do not count: the wave may
+    still rise there. Contacts do not count if they carry less than 1e-4 of the largest force of
+    all: grains that touch overlap by the rounding of their coordinates.
     """
     mean, layer = _layers_of(result, result.case.packing.diameter)
     return mean, arrivals_of_groups(result, layer, len(mean))
@@ -350,6 +329,8 @@ def arrivals_of_groups(result: Result, group: NDArray[np.integer], n_groups: int
     group
         Group of each sphere, from 0; below 0: none. (n_spheres,).
     """
+    if has_recorded_chain(result):
+        return _earliest_of_beads(result, group, n_groups)
     largest = np.zeros(n_groups)
     for i, j, force in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
         for ends in (i, j):
@@ -359,12 +340,24 @@ def arrivals_of_groups(result: Result, group: NDArray[np.integer], n_groups: int
     least = np.maximum(ARRIVED * largest, _REACHES * largest.max(initial=0.0))
     last = (1 - _SAME_TIME) * float(result["energy/time"][-1])
     first = np.full(n_groups, np.inf)
+    of_fallen = np.full(n_groups, np.inf)  # at contacts whose force is not largest at the end
     names = ("i", "j", "peak_force", "time_first", "time_peak")
     for i, j, force, arrival, peak in result.blocks(*(f"contacts/{name}" for name in names)):
         for ends in (i, j):
             there = group[result.rows(ends)]
-            counts = (there >= 0) & (force > 0) & (force >= least[there]) & (peak < last)
+            counts = (there >= 0) & (force > 0) & (force >= least[there])
             np.fmin.at(first, there[counts], arrival[counts])
+            counts &= peak < last
+            np.fmin.at(of_fallen, there[counts], arrival[counts])
+    latest = of_fallen.max(initial=0.0, where=np.isfinite(of_fallen))
+    return np.where(first <= latest, first, np.inf)
+
+
+def _earliest_of_beads(result: Result, group: NDArray[np.integer], n_groups: int) -> Array:
+    """Return the earliest arrival at the beads of each group: (n_groups,), s; inf: never."""
+    first = np.full(n_groups, np.inf)
+    inside = group >= 0
+    np.fmin.at(first, group[inside], bead_arrivals(result)[inside])
     return first
 
 

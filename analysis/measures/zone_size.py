@@ -257,13 +257,15 @@ def cut_of(zone: Zone) -> list[str]:
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
-    """Return the values of the summary on the size of the plastic zone; None without yielding.
+    """Return the values of the summary on the size of the plastic zone, and whether the sides are
+    periodic; sizes are None without yielding.
 
     In a collision of two spheres, the values on boundaries are None.
     """
+    sides = {PERIODIC_SIDES: result.case.boundary.periodic}
     if not result.yields:
         keys = ("zone_cut", "zone_growing", PERIODIC_SIDES, *WAVE_KEYS)
-        return zone_sizes(None) | dict.fromkeys(keys)
+        return zone_sizes(None) | dict.fromkeys(keys) | sides
     active, distances = _active_and_distances(result)
     sizes = zone_sizes(*map(active.get, ("energy", "volume", "depth", "radius")))
     border = {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]}
@@ -285,12 +287,7 @@ def zone_summary(result: Result) -> dict[str, Any]:
     if result.n_spheres in COLLISION:
         cut = None
         returns = dict.fromkeys(WAVE_KEYS)
-    return (
-        sizes
-        | {"zone_cut": cut, "zone_growing": growing}
-        | {PERIODIC_SIDES: result.case.boundary.periodic}
-        | returns
-    )
+    return sizes | {"zone_cut": cut, "zone_growing": growing} | sides | returns
 
 
 def _active_and_distances(result: Result) -> tuple[Zone, Zone]:
@@ -395,20 +392,22 @@ def _front(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 class Mark(IntEnum):
-    """Influence of the finite packing or block on its plastic zone, or of the end of the run on
-    any value.
+    """Influence of the finite packing or block on its plastic zone, or of the end of the run or of
+    contacts beyond the range of the law on any value.
     """
 
     NONE = 0
     WAVE = 1  # a reflected wave contributed to more than `NOTED_SHARE` of the dissipation
     CUT = 2  # the zone reaches a boundary
-    END = 3  # the end of the run limits the value
+    LAW = 3  # contacts beyond the range of the law determine the value
+    END = 4  # the end of the run limits the value
 
 
 #: Text of a mark, next to a marker in a figure or a table.
 LABELS = {
     Mark.CUT: "zone reaches a boundary",
     Mark.WAVE: "reflected wave came back",
+    Mark.LAW: "contacts beyond the law",
     Mark.END: "not final at the end of the run",
 }
 
@@ -476,7 +475,7 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
         names = _names(summary.get("wave_returned") or (), periodic)
         wave = "wave" if IMAGES in names else "reflection"
         microseconds = 1e6 * summary["wave_return_s"]
-        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} us)"
+        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} µs)"
         found.append(
             f"up to {100 * share:.3g} % of the plastic dissipation occurred after {arrival}"
         )

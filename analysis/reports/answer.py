@@ -31,7 +31,7 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.measures.beads import crest_speed
+from granwave.analysis.measures.bead_wave import crest_speed
 from granwave.analysis.measures.force_decay import ForceDecay, force_decay
 from granwave.analysis.measures.incomplete_values import DISSIPATED_FRACTION, incomplete_in
 from granwave.analysis.measures.leading_wave import stretch_speeds
@@ -42,6 +42,7 @@ from granwave.analysis.measures.zone_resolution import (
     is_unresolved,
     percent_with_error,
 )
+from granwave.analysis.quantities import SIZES_BY_LAYERS
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import picture_in
@@ -52,8 +53,9 @@ from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
 from granwave.analysis.reports.setting import is_chain, origin_of, target_of
 from granwave.analysis.result.reader import Result
+from granwave.analysis.scans.headline import headline
 from granwave.analysis.scans.keys import VariedKey
-from granwave.analysis.scans.means import NOT_FINAL, WORTH, Means
+from granwave.analysis.scans.means import WORTH, Means
 from granwave.analysis.summary_table import has_no_pairs
 from granwave.lammps_inputs.case.added_grains import has_added_to_chain
 from granwave.lammps_inputs.errors import GranwaveError
@@ -92,7 +94,11 @@ _SENTENCES = (
     "The largest force between two spheres was {between_spheres}.",
     "The largest contact force, including walls, was {with_walls}.",
     "Contact forces {static}.",
-    "90 % of the plastic dissipation is within {zone_depth_90_m} below the impact and {zone_radius_90_m} from its axis.",
+    "90 % of the plastic dissipation is within {whole_depth} below the impact and {whole_radius} "
+    "from its axis (whole layers and shells); interpolated between them, the 90 % depth is "
+    "{zone_depth_90_interpolated_m} and the 90 % radius {zone_radius_90_interpolated_m}.",
+    "90 % of the plastic dissipation is within {only_depth} below the impact and {only_radius} "
+    "from its axis.",
     "The plate {plate}.",
     "None of the input energy of {kept} was dissipated.",
     "{n_loaded_contacts} of {n_contacts} contacts were loaded.",
@@ -225,7 +231,7 @@ def _of_scan(scan: ReportScan, inputs: ReportInputs, studied: Figure | None) -> 
         return pictures
     main = shown[0][1]
     name_of_scan = f"Scan {scan.label}: " if len(inputs.items) > 1 else ""
-    sentence = Note(name_of_scan + means.sentence(main), "lead")
+    sentence = Note(name_of_scan + headline(means), "lead")
     if not means.varies(main):
         return (sentence, *pictures)
     others = [key for _, key in shown[1:] if key != main][
@@ -283,14 +289,11 @@ def _crossed(means: Means, main: str) -> DocumentTable:
 
 
 def _mean(means: Means, name: str, row: int, size: float) -> Cell:
-    """Return the mean of a quantity with its interval, in a unit of a size; marked if the end of a
-    run limits it.
-    """
+    """Return the mean of a quantity with its interval, in a unit of a size, with its marks."""
     mean = in_unit(means.values[name][row], size)
     cell = spread_cell(mean, in_unit(means.half_widths[name][row], size))
-    if not means.is_limited(name, row):
-        return cell
-    return dataclasses.replace(cell, text=f"{cell.text} {NOT_FINAL}")
+    marks = means.marks(name, row)
+    return dataclasses.replace(cell, text=f"{cell.text} {marks}") if marks else cell
 
 
 def _column(key: VariedKey, means: Means) -> TableColumn:
@@ -467,16 +470,18 @@ def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
 
 
 def _name_zone(run: ReportRun, values: dict[str, str]) -> None:
-    """Change the lengths of the plastic zone: interpolated between spheres, as in the table; none
-    for a zone without both, or that is not resolved.
+    """Add the sizes of the plastic zone for the sentence with the interpolated sizes, or for the
+    sentence of results of 1.0 and earlier, which lack them; none for a zone without depth or
+    radius, or that is not resolved.
     """
     has_both = run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None
-    if not has_both or is_unresolved(run.summary):
-        values.pop("zone_depth_90_m", None)
-        return
-    for name in ("zone_depth_90", "zone_radius_90"):
-        if interpolated := values.get(f"{name}_interpolated_m"):
-            values[f"{name}_m"] = interpolated
+    is_known = has_both and not is_unresolved(run.summary)
+    has_interpolated = all(name in values for name in SIZES_BY_LAYERS.values())
+    beginning = "whole" if has_interpolated else "only"
+    for name in SIZES_BY_LAYERS:
+        size = "depth" if "depth" in name else "radius"
+        if is_known:
+            values[f"{beginning}_{size}"] = values[name]
 
 
 def _is_precompressed(run: ReportRun) -> bool:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.bead_wave import beads_after_reflection
 from granwave.analysis.measures.beads import bead_contact_depths, bead_peaks
 from granwave.analysis.measures.leading_wave import REACHED, FirstWave, first_wave
 from granwave.analysis.reports.kinds import ReportRun
@@ -35,9 +36,15 @@ def course_of_peaks(run: ReportRun) -> str:
 def course_of_beads(result: Result) -> str:
     """Return the course along the beads of a chain with added grains, as `course_of_peaks`."""
     peak = bead_peaks(result)
-    is_known = np.isfinite(peak)
-    wave = FirstWave(np.nan_to_num(peak), is_known, ~is_known, None)
-    return course_in_words(wave, bead_contact_depths(result))
+    is_late = beads_after_reflection(result)
+    is_known = np.isfinite(peak) & ~is_late
+    is_passing = ~np.isfinite(peak) & ~is_late
+    wave = FirstWave(np.nan_to_num(peak), is_known, is_passing, None)
+    course = course_in_words(wave, bead_contact_depths(result))
+    if not course or not np.any(is_late):
+        return course
+    last = int(np.flatnonzero(is_late)[0])
+    return f"{course}; beyond contact {last}, the largest force came after the reflection"
 
 
 def course_in_words(wave: FirstWave, depth: NDArray[np.float64]) -> str:

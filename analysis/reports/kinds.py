@@ -34,6 +34,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import added
 from granwave.lammps_inputs.files import read_json, read_tables, regular
 from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.rounding import without_rounding
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     RECORD_FILE,
@@ -450,7 +451,7 @@ def _summary(results: ResultDirectory) -> dict[str, Any]:
         raise InputError(
             f"{path / SUMMARY_FILE}: {wrong}; recreate it with  granwave analyse {path}"
         )
-    return dict(summary)
+    return without_rounding(summary)
 
 
 def no_numbers(summary: Mapping[str, Any]) -> list[str]:

@@ -240,7 +240,8 @@ def _answer(
     compared = [run for run in inputs.runs if run.has_balance]
     if not inputs.scans and len(inputs.runs) > 1:
         told = warning_notes(compared) if len(compared) > 1 else []
-        listed = (_CUT, *_OF_ENDS) if len(compared) > 1 else _CUT
+        of_comparison = (_CUT, _BEYOND_FIT, _BEYOND_SMALL, *_OF_ENDS)
+        listed = of_comparison if len(compared) > 1 else _CUT
         notes = [
             note for note in notes if not note.text.startswith(listed) and note.text not in told
         ]

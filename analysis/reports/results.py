@@ -35,8 +35,9 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
+from granwave.analysis.measures.law_range import is_beyond_law
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
-from granwave.analysis.quantities import FRICTION_SHARES, report_columns
+from granwave.analysis.quantities import FRICTION_SHARES, SIZES_BY_LAYERS, report_columns
 from granwave.analysis.reports.comparison.compared_value import MARK, PARTIAL, marked
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
@@ -77,11 +78,6 @@ _OF_YIELDING = (
 )
 #: Values that the first section leaves to the section of all values.
 _IN_DETAIL = ("n_dissipating_contacts",)
-#: Sizes of the zone that change by whole layers; the first section has the interpolated sizes.
-_BY_LAYERS = {
-    "zone_depth_90_m": "zone_depth_90_interpolated_m",
-    "zone_radius_90_m": "zone_radius_90_interpolated_m",
-}
 _FIRST = (
     "transmission",
     "driven_velocity_m_s",
@@ -113,6 +109,9 @@ _OF_PACKINGS = {
     "unprotected_peak_force_N",
 }  # fmt: skip
 _OF_STRUCK = ("impactor_velocity_m_s",)
+_LOAD = "load.kind"
+_STRIKER = "striker"  # kind of load whose velocity is the striker's
+_STRIKER_AT_END = "Striker at the end"
 _OF_GROUND = ("ground_peak_force_N", "energy_target_J")
 #: Values relative to the load on the bare target, which have no meaning where it oscillates.
 _OF_TARGETS = (
@@ -192,6 +191,8 @@ def value_rows(run: ReportRun) -> DocumentTable:
     units = units_of_values(shown[:MOST_ROWS], [summary])
     for key, (unit, size) in units.items():
         label = label_of(key, called)
+        if key in _OF_STRUCK and run.case.get(_LOAD) == _STRIKER:
+            label = _STRIKER_AT_END
         name = Cell(label, label, meaning=meaning_in(key, called))
         rows.append((name, _result_cell(key, summary, size), Cell(unit)))
     columns = (
@@ -205,7 +206,7 @@ def value_rows(run: ReportRun) -> DocumentTable:
 def _beside_others(summaries: Sequence[Mapping[str, Any]]) -> set[str]:
     """Return the keys of redundant values, which the first section omits."""
     left_out = set(_IN_DETAIL)
-    for by_layers, between in _BY_LAYERS.items():
+    for by_layers, between in SIZES_BY_LAYERS.items():
         if all(summary.get(between) is not None for summary in summaries):
             left_out.add(by_layers)
     if not any(summary.get("dissipated_fraction") for summary in summaries):
@@ -341,6 +342,7 @@ def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cel
         return Cell("")
     value = summary.get(key)
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
+    noted |= is_beyond_law(key, summary)
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
     if isinstance(value, list):
         value = bounds_in_words(value, periodic=summary.get(PERIODIC_SIDES))

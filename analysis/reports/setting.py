@@ -102,6 +102,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     return in_grains(", ".join(filter(None, parts)), called)
 
 
+_VOWELS = "aeiou"
 _MOST_MATERIALS = 3  # these are named, others are counted
 
 
@@ -321,7 +322,9 @@ def _bottom(case: Mapping[str, Any]) -> str:
         return ""
     name = f"{bottom.get('material', {}).get('name', '')} {support.replace('_', '-')}".lstrip()
     mass = bottom[support].get("mass")
-    return f"on a {name}" if mass is None else f"on a {name} of {show(mass)} kg"
+    article = "an" if name[:1].lower() in _VOWELS else "a"
+    where = f"on {article} {name}"
+    return where if mass is None else f"{where} of {show(mass)} kg"
 
 
 def target_of(case: Mapping[str, Any]) -> str:

@@ -1,7 +1,7 @@
 """Trajectory of a run as an MDAnalysis universe.
 
 MDAnalysis stores positions in single precision, with a spacing of 60 nm at 0.7 m, which is 5 % of a
-yield overlap, and of 8 um at 100 m: never compute overlaps from ``ts.positions``. This reader adds quantities in double
+yield overlap, and of 8 µm at 100 m: never compute overlaps from ``ts.positions``. This reader adds quantities in double
 precision to every snapshot: ``ts.data["displacement"]`` (m), ``ts.data["contact_force"]`` (N),
 ``ts.data["peak_force"]`` (N), ``ts.data["dissipated_energy"]`` (J) and, with friction,
 ``ts.data["friction_energy"]`` (J), with viscous losses ``ts.data["viscous_energy"]`` (J). Lengths

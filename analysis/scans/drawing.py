@@ -58,6 +58,7 @@ _END_OF_BAR = 4.5  # size of a mark at the end of a bar, points
 _ZERO_FONT = 6.5  # font size of the number of a bar without length, points
 _MOST_MARKED = 60  # largest number of points of a curve with markers
 _SPREAD = 30.0  # largest / smallest value above which an axis of values is logarithmic
+_CROSSES = {Mark.END: "x", Mark.LAW: "+"}
 _DECADE = 10.0  # largest / smallest value above which an axis may be logarithmic
 
 Titles = tuple[str, str]
@@ -77,7 +78,8 @@ def draw_curves(
     """Draw curves with markers and a legend above, or a colour scale if there are many curves.
 
     Points of plastic zones that reach a boundary are open, half open if a wave returned from a
-    boundary. Crosses are points of values that the end of the run limits.
+    boundary. Crosses are points of values that the end of the run limits, upright crosses points of
+    values that contacts beyond the range of the law determine.
 
     Parameters
     ----------
@@ -190,8 +192,9 @@ def draw_bars(
     """Draw bars by category, below each other, with a bar for each curve.
 
     On a logarithmic axis points are drawn instead. Bars have marks at their ends: an open circle
-    for plastic zones that reach a boundary, half open if a wave returned from a boundary, and a
-    cross if the end of the run limits the value. A bar of zero is a tick with its number.
+    for plastic zones that reach a boundary, half open if a wave returned from a boundary, a
+    cross if the end of the run limits the value, and an upright cross for contacts beyond the range
+    of the law. A bar of zero is a tick with its number.
     """
     n_curves = points.curve.nunique()
     names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
@@ -326,8 +329,9 @@ def marked_marker(mark: Mark, marker: str, size: float, colour: Any) -> dict[str
     }
     if mark is Mark.CUT:
         return look | {"markerfacecolor": "white"}
-    if mark is Mark.END:
-        return look | {"marker": "x", "markersize": _CROSS * size, "markeredgewidth": 1.1}
+    if mark in _CROSSES:
+        marker = _CROSSES[mark]
+        return look | {"marker": marker, "markersize": _CROSS * size, "markeredgewidth": 1.1}
     return look | {"fillstyle": "left", "markerfacecoloralt": "white"}
 
 

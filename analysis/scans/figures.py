@@ -18,6 +18,7 @@ from pandas import DataFrame, Series
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.incomplete_values import incomplete_in
+from granwave.analysis.measures.law_range import is_beyond_law
 from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.quantities import quantity
 from granwave.analysis.scans.abscissae import FEWEST, FEWEST_LEVELS, choices_of_axes, keys_of_curves
@@ -202,9 +203,13 @@ class _Data:
         return figures
 
     def _marks_of(self, key: str, is_of_zone: bool) -> Series:
-        """Return the marks of a quantity by row: its end, or the boundaries of a plastic zone."""
+        """Return the marks of a quantity by row: its end, the range of the law, or the boundaries
+        of a plastic zone.
+        """
+        beyond = {row: is_beyond_law(key, point.summary) for row, point in self.points.items()}
         ends = {row: key in incomplete_in(point.summary) for row, point in self.points.items()}
-        return (self.marks * is_of_zone).mask(Series(ends, dtype=bool), int(Mark.END))
+        marks = (self.marks * is_of_zone).mask(Series(beyond, dtype=bool), int(Mark.LAW))
+        return marks.mask(Series(ends, dtype=bool), int(Mark.END))
 
     def collapses(self) -> Drawers:
         """Return functions that draw dissipation and plastic volume on normalised axes."""

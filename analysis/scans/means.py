@@ -23,6 +23,11 @@ from granwave.analysis.formatting.numbers import (
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.collision import TOUCHING_ENERGY
 from granwave.analysis.measures.incomplete_values import incomplete_in
+from granwave.analysis.measures.law_range import (
+    BEYOND_LAW,
+    BEYOND_LAW_MEANING,
+    is_beyond_law,
+)
 from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, is_collision, mark_of
 from granwave.analysis.quantities import quantity, scan_figures
@@ -47,16 +52,18 @@ _CLEAR = 0.05  # change of a quantity, relative to its largest value, that is wo
 WORTH = 1e-12  # smallest value that is not rounding
 NOT_FINAL = "†"  # mark of a value in a table that the end of a run limits
 _AIMS = (REDUCTION, "restitution", "transmission")  # values for which scans are made
-#: Quantities that come first, in this order.
-_MAIN = (
-    *_AIMS,
+_STRONG = 0.4  # change from which on quantities count as equally strong
+#: Main quantities: the one that changes most comes first, of similar or strong changes in this
+#: order.
+RANKED = (
     "dissipated_fraction",
+    "wall_peak_force_N",
     "peak_force_N",
     "peak_force_with_walls_N",
     "max_force_N",
-    "wall_peak_force_N",
-    "n_plastic_spheres",
 )
+#: Quantities that come first, in this order.
+_MAIN = (*_AIMS, *RANKED, "n_plastic_spheres")
 _OF_ZONE = ("n_plastic_", "plastic_zone_", "zone_")  # names of values of the plastic zone
 _YIELDED = "n_plastic_spheres"
 _OF_PACKING = ("packing.", "striker", "replace")  # keys whose values change a random packing
@@ -100,6 +107,9 @@ class Means:
     incomplete
         Rows with a point whose end limits a value, by name of the quantity; see
         `granwave.analysis.measures.incomplete_values`.
+    beyond_law
+        Rows with a point of which contacts beyond the range of the law determine a value, by name
+        of the quantity; see `granwave.analysis.measures.law_range`.
     without_zone
         Rows in which no contact yields.
     """
@@ -114,6 +124,7 @@ class Means:
     called: str = SPHERES
     has_limited_zones: bool = False
     incomplete: Mapping[str, frozenset[int]] = dataclasses.field(default_factory=dict)
+    beyond_law: Mapping[str, frozenset[int]] = dataclasses.field(default_factory=dict)
     without_zone: frozenset[int] = frozenset()
 
     @property
@@ -124,7 +135,9 @@ class Means:
     def quantities(self) -> list[tuple[str, str]]:
         """Return the quantities that have figures, as names of figure and value: first those for
         which scans are made and those that vary clearly, then those that vary by less than
-        `_CLEAR`, then those that vary within their confidence intervals, then constant ones.
+        `_CLEAR`, then those that vary within their confidence intervals, then constant ones. Of the
+        main quantities the one with the largest relative change comes first, and quantities that
+        the end of a run limits, or that are extrapolated beyond the law, come last.
 
         A value for which scans are made may be unknown at some points; see `is_mostly_known`.
         """
@@ -141,9 +154,29 @@ class Means:
                 is_slight = change <= _CLEAR and key not in _AIMS
                 is_limited = self.has_limited_zones and key.startswith(_OF_ZONE)
                 is_unclear = self._are_within_intervals(key, *self._ends(key))
-                order = (change <= SAME, is_unclear, is_limited, is_slight, rank)
+                own = self._rank_among_main(key, rank)
+                order = (change <= SAME, is_unclear, is_limited, is_slight, *own, rank)
                 quantities.append((*order, name, key))
         return [(name, key) for *_, name, key in sorted(quantities)]
+
+    def _rank_among_main(self, key: str, rank: int) -> tuple[int, float]:
+        """Return the order of a main quantity by its relative change; others keep their order.
+
+        Parameters
+        ----------
+        rank
+            Order of the quantity among all.
+        """
+        if key not in RANKED:
+            return (-1 if key in _AIMS else rank), 0.0
+        is_final = not self.incomplete.get(key) and not self.beyond_law.get(key)
+        change = min(self._change(key), _STRONG) if is_final else 0.0
+        return len(_AIMS), -round(change, 1)
+
+    def varies_clearly(self, name: str) -> bool:
+        """Return True if a quantity varies by more than `_CLEAR`, and than its intervals."""
+        is_within = self._are_within_intervals(name, *self._ends(name))
+        return self._change(name) > _CLEAR and not is_within
 
     def varies(self, name: str) -> bool:
         """Return True if the values of a quantity differ by more than rounding."""
@@ -184,6 +217,11 @@ class Means:
             text += (
                 f" It is not final at {len(rows)} of {len(self.counts)} points, where the end of "
                 f"the run limits it ({self._named(sorted(rows))}): increase run.end_time."
+            )
+        if rows := self.beyond_law.get(main):
+            text += (
+                f" At {len(rows)} of {len(self.counts)} points ({self._named(sorted(rows))}) it is "
+                "extrapolated: overlaps of contacts exceed 0.2 R*, the limit of the law."
             )
         return in_grains(text, self.called)
 
@@ -247,6 +285,8 @@ class Means:
             parts.append(f"{state} at {len(missing)} of {len(self.counts)} points")
         if rows := self.incomplete.get(name):
             parts.append(f"not final at the end of the run at {len(rows)} of {len(self.counts)}")
+        if rows := self.beyond_law.get(name):
+            parts.append(f"extrapolated beyond the law at {len(rows)} of {len(self.counts)}")
         return in_grains("; ".join(parts), self.called)
 
     def _ends(self, name: str) -> tuple[int, int]:
@@ -305,26 +345,37 @@ class Means:
         return [course for course in courses if course is not Trend.CONSTANT]
 
     def text(self, name: str, row: int) -> str:
-        """Return a mean with its interval, if it has one, and with `NOT_FINAL` if the end of a run
-        limits it.
-        """
+        """Return a mean with its interval, if it has one, and with its marks."""
         mean = self.values[name][row]
         half = self.half_widths[name][row]
         text = interval(mean, half) if mean is not None and half else show(mean)
-        return f"{text} {NOT_FINAL}" if self.is_limited(name, row) else text
+        return f"{text} {self.marks(name, row)}".rstrip()
 
-    def is_limited(self, name: str, row: int) -> bool:
-        """Return True for a known mean that the end of a run limits."""
-        return row in self._limited_rows(name)
+    def marks(self, name: str, row: int) -> str:
+        """Return the marks of a known mean that the end of a run limits, or that contacts beyond
+        the range of the law determine; empty without them.
+        """
+        marks = [mark for mark, _, rows in self._marked_rows(name) if row in rows]
+        return " ".join(marks)
 
     def remark(self, names: Iterable[str]) -> str:
-        """Return the meaning of `NOT_FINAL`; empty if it marks no value of these quantities."""
-        marked = [name for name in names if self._limited_rows(name)]
-        return f"{NOT_FINAL} still changes at the end of the run" if marked else ""
+        """Return the meanings of the marks of these quantities; empty without a mark."""
+        meanings: dict[str, str] = {}
+        for name in names:
+            for mark, meaning, rows in self._marked_rows(name):
+                if rows:
+                    meanings[mark] = f"{mark} {meaning}"
+        return "; ".join(meanings.values())
 
-    def _limited_rows(self, name: str) -> frozenset[int]:
-        """Return the rows with a known mean that the end of a run limits."""
-        return self.incomplete.get(name, frozenset()).intersection(self.known_rows(name))
+    def _marked_rows(self, name: str) -> list[tuple[str, str, frozenset[int]]]:
+        """Return the marks of a quantity with their meanings and the rows with a known mean."""
+        known = self.known_rows(name)
+        limited = self.incomplete.get(name, frozenset()).intersection(known)
+        beyond = self.beyond_law.get(name, frozenset()).intersection(known)
+        return [
+            (NOT_FINAL, "still changes at the end of the run", limited),
+            (BEYOND_LAW, BEYOND_LAW_MEANING, beyond),
+        ]
 
     def in_words(self, name: str, row: int) -> str:
         """Return a mean with its unit, and its interval if it has one."""
@@ -393,6 +444,7 @@ def means_of(scan: ScanResult) -> Means:
             mark_of(summary) is Mark.CUT or is_unresolved(summary) for summary in summaries
         ),
         incomplete=_incomplete_rows(groups),
+        beyond_law=_rows_beyond_law(groups, means),
         without_zone=frozenset(row for row, group in enumerate(groups) if _lacks_zone(group)),
     )
 
@@ -404,6 +456,24 @@ def _incomplete_rows(groups: Sequence[Sequence[PointResult]]) -> dict[str, froze
         for name in set().union(*(incomplete_in(point.summary) for point in group)):
             rows.setdefault(name, set()).add(row)
     return {name: frozenset(of_name) for name, of_name in rows.items()}
+
+
+def _rows_beyond_law(
+    groups: Sequence[Sequence[PointResult]], names: Iterable[str]
+) -> dict[str, frozenset[int]]:
+    """Return the rows with a point of which contacts beyond the range of the law determine a value,
+    by name of the value.
+    """
+    rows: dict[str, frozenset[int]] = {}
+    for name in names:
+        marked = [
+            row
+            for row, group in enumerate(groups)
+            if any(is_beyond_law(name, point.summary) for point in group)
+        ]
+        if marked:
+            rows[name] = frozenset(marked)
+    return rows
 
 
 def _lacks_zone(group: Sequence[PointResult]) -> bool:

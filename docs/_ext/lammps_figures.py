@@ -128,7 +128,7 @@ def chain(run: Path) -> Figure:
     speed, force = (np.array([shot[name] for shot in shots]) for name in ("vz", "c_bead[1]"))
     for bead in (10, 20, 30, 40, 50):
         left.plot(time, speed[:, bead - 1], label=str(bead))
-    left.set(xlabel="time, us", ylabel="speed, m/s")
+    left.set(xlabel="time, µs", ylabel="speed, m/s")
     left.legend(
         title="bead", ncols=2, loc="upper right", fontsize="x-small", title_fontsize="x-small"
     )
@@ -137,7 +137,7 @@ def chain(run: Path) -> Figure:
         np.arange(1, force.shape[1] + 1), time, force, cmap="viridis", rasterized=True
     )
     figure.colorbar(picture, label="largest contact force, N")
-    right.set(xlabel="bead", ylabel="time, us")
+    right.set(xlabel="bead", ylabel="time, µs")
     return figure
 
 
@@ -146,7 +146,7 @@ def block(run: Path) -> Figure:
     step, push, floor = np.loadtxt(run / "block.txt").T
     left.plot(2e-2 * step, 1e-3 * push, label="on the striker")
     left.plot(2e-2 * step, -1e-3 * floor, label="on the floor")
-    left.set(xlabel="time, us", ylabel="force, kN")
+    left.set(xlabel="time, µs", ylabel="force, kN")
     left.legend()
     end = frames(run / "block.dump")[0]
     y = np.unique(np.round(end["y"], 6))
@@ -275,9 +275,9 @@ def timestep(run: Path) -> Figure:
         step, taken, error = np.loadtxt(run / f"timestep-{way}.txt").T
         left.semilogy(5e-3 * step, 1e9 * taken, label=way)
         right.semilogy(5e-3 * step[1:], np.abs(error[1:]), label=way)
-    left.set(xlabel="time, us", ylabel="timestep, ns")
+    left.set(xlabel="time, µs", ylabel="timestep, ns")
     right.axhline(1e-6, color="k", lw=0.8, ls=":")
-    right.set(xlabel="time, us", ylabel="error of the energy balance", ylim=(1e-11, 3e-6))
+    right.set(xlabel="time, µs", ylabel="error of the energy balance", ylim=(1e-11, 3e-6))
     right.legend(loc="lower right")
     return figure
 

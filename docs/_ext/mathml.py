@@ -21,8 +21,11 @@ def mathml_of(formula: str, display: str) -> str:
         The formula cannot be read, or contains a command or an alignment mark that the converter
         copies as text.
     """
+    # a bar is a fence only with left or right; otherwise it has the space of an operator
+    fenced = re.sub(r"\\lvert\b", r"\\left\\vert ", formula)
+    fenced = re.sub(r"\\rvert\b", r"\\right\\vert ", fenced)
     try:
-        mathml = convert(formula, display=display)
+        mathml = convert(fenced, display=display)
     except Exception as error:
         raise ExtensionError(f"the formula {formula!r} cannot be read: {error}") from error
     copied = re.findall(r"&|\\[A-Za-z]*", html.unescape(re.sub(r"<[^>]*>", " ", mathml)))

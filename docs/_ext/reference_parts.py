@@ -244,9 +244,9 @@ def figures() -> str:
     runs = {}
     changes: dict[str, dict[str, Any]] = {}
     for entry in table["run"]:
-        # the figures of a case are all from one run, made with the first changes
+        # an entry without changes of its own takes its figures from the first run of its case
         changes.setdefault(entry["case"], entry.get("changes", {}))
-        drawn_run = entry | {"changes": changes[entry["case"]]}
+        drawn_run = {"changes": changes[entry["case"]]} | entry
         runs |= dict.fromkeys(entry["figures"], drawn_run)
     planes: dict[str, list[str]] = {}
     for name in run_figures():

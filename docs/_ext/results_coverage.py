@@ -16,6 +16,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from results_rows import holds
+from results_stored import row_of
+
 from granwave.lammps_inputs.files import replace_text
 
 ROOT = Path(__file__).parents[2]
@@ -159,8 +162,16 @@ def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
         f"at most {100 * _CLOSE:g} %, {len(off) - close - far} by {100 * _CLOSE:g} to "
         f"{100 * _FAR:g} %, and {far} by more. "
         f"The other {len(rows) - len(off)} rows are bounds, have zero as the "
-        "printed value, or no value of ours."
+        f"printed value, or no value of ours. {_bounds(rows)}".rstrip()
     )
+
+
+def _bounds(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the sentence on the bounds that hold; empty without bounds."""
+    bounds = [row for row in map(row_of, rows) if row.bound]
+    if not bounds:
+        return ""
+    return f"Bounds that hold: {sum(map(holds, bounds))} of {len(bounds)}."
 
 
 def main() -> None:

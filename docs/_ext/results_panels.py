@@ -11,12 +11,11 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import itertools
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from results_quantities import Condition, Quantity, abscissa, quantity_of
-from results_rows import is_lower_bound
+from results_rows import interval_of, is_lower_bound
 from results_stored import row_of
 
 from granwave.analysis.studies.study import Row
@@ -28,7 +27,6 @@ _OF_SOURCE = 12  # weight of a value of a source relative to theory
 _LEAST = 2  # values with a reference in a panel
 _GAP = 10.0  # between the references of two panels with the same unit
 _LEAST_POINTS = 3  # of a curve
-_INTERVAL = re.compile(r"measured \w+ is (?:[\d.]+ )?± (\d+(?:\.\d+)?)")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -392,8 +390,7 @@ def _value(row: Row, label: str, x: float | None) -> Value:
     bound = ""
     if row.bound:
         bound = "least" if is_lower_bound(row) else "most"
-    found = _INTERVAL.search(row.remark or "")
-    interval = float(found[1]) if found and row.source is not None else 0.0
+    interval = float(interval_of(row) or 0.0)
     numbers = [_rounded(one) for one in (row.ours, row.source, row.theory)]
     return Value(label, x, *numbers, bound, interval)
 

@@ -10,6 +10,8 @@ import dataclasses
 import re
 import textwrap
 
+from results_symbols import readable_numbers
+
 _NUMBER = re.compile(r"(?<![\w.^*])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]*[a-zA-Z_]\d|\w)")
 _BREAK = re.compile(r", |; |(?<=[^:]{4}): ")
 _AT = re.compile(r" at (?=(?:[a-z]+ )?-?\d)(?!.* / )")
@@ -23,8 +25,18 @@ _REWORDED = tuple(
         (r"; source: ", r", source's "),
         (r"^V(?=, )", r"Speed V"),
         (
-            r"^(Test \d), (case \w, )?(.*?)( of finite elements)? at (incidence .*)$",
-            r"\1 \3\4, \5, \2",
+            r"^(Test \d), (.*?) of finite elements at (incidence [\d.]+), (.*)$",
+            r"\1 \2, \3, finite elements, \4",
+        ),
+        (r"^(Test [56]), (.*?) at (incidence [\d.]+, \w+)$", r"\1 \2, \3, one spring"),
+        (r"^(Test \d), (case \w, )?(.*?) at (incidence .*)$", r"\1 \3, \4, \2"),
+        (
+            r"^(Tangential restitution|Spin|Rebound angle) measured at ([\d.]+ degrees), (.*)$",
+            r"\1, \2, measured, \3",
+        ),
+        (
+            r"^(Tangential restitution|Spin|Rebound angle) at ([\d.]+ degrees, \w+)$",
+            r"\1, \2, one spring",
         ),
         (r"^Energy in (.*), (.*)$", r"Energy, \1, \2"),
         (r"^Pulse length, (fit|half maximum) of (\w+), ", r"Pulse length (\1 of \2), "),
@@ -138,6 +150,15 @@ _SYMBOLS = {
     "alpha_y": r"$\alpha_y$",
     "sigma_y^2 D^3/E": r"$\sigma_y^2 D^3/E$",
     "D^3/6": "$D^3/6$",
+    "E*R*^2 tau": r"$E^* R^{*2} \tau$",
+    "E*R*^2 I": "$E^* R^{*2} I$",
+    "E* R*^2": "$E^* R^{*2}$",
+    "E*R*^2": "$E^* R^{*2}$",
+    "sqrt(1 - beta)": r"$\sqrt{1 - \beta}$",
+    "k_w/k_bb": "$k_w/k_{bb}$",
+    "v0²/2": "$v_0^2/2$",
+    "N2": "$N_2$",
+    "c0": "$c_0$",
     "sigma_y": r"$\sigma_y$",
     "F_y": "$F_y$",
     "delta_hat": r"$\hat{\delta}$",
@@ -169,6 +190,7 @@ def lines_of(text: str, characters: int) -> list[str]:
         chr(_PRIVATE + number) * max(len(word) // 2, 1): word
         for number, word in enumerate(_SYMBOLS)
     }
+    text = readable_numbers(text)
     for mark, word in marks.items():
         text = re.sub(rf"(?<![\w$\\]){re.escape(word)}(?!\w)", mark, text)
     text = _KEPT.sub("\N{NO-BREAK SPACE}", text)

@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from results_chosen import CHOSEN
+from results_notes import marked, marks_of, notes_of
 from results_stored import row_of
 
 from granwave.analysis.document.model import (
     percent,
     significant,
 )
-from granwave.analysis.formatting.numbers import superscript
 from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.studies.study import Row
 
 _ROUNDING = 1e-12  # relative
-_LOWER = ("at least", "more than", "Well over")  # words of a bound below
+_LOWER = ("at least", "more than", "Well over", "well above")  # words of a bound below
 _MOST_FACTOR = 1000.0  # ratio beyond which its size says nothing
+_DIGITS = 5  # of a value of a source
+_MOST_SHOWN = 4  # digits of our value that are added to show its deviation
+_SHOWN = 0.25  # largest error of the deviation of the rounded value, relative to the deviation
+_PLAIN = 1e7  # from which on a number has a power of ten
+_WITH_POWER = re.compile(r"-?[\d.]+e\+?\d+")
+_INTERVAL = re.compile(r"measured \w+ is (?:[\d.]+ )?± (\d+(?:\.\d+)?)")
 LARGE = 10.0  # deviation from which on a ratio says more than per cent
 KINDS = {
     "source": "source",
@@ -48,12 +53,9 @@ def is_lower_bound(row: Row) -> bool:
     return any(words in f"{row.quantity} {row.remark}" for words in _LOWER)
 
 
-def flagged(row: Row) -> Row:
-    """Return a row whose remark states whether the value exceeds its bound."""
-    over = beyond(row)
-    if not over:
-        return row
-    return dataclasses.replace(row, remark=f"{row.remark} Beyond the bound by {excess(over)}.")
+def holds(row: Row) -> bool:
+    """Return True if our value lies within the bound of a row."""
+    return not beyond(row)
 
 
 def excess(over: float) -> str:
@@ -61,16 +63,80 @@ def excess(over: float) -> str:
 
 
 def difference(row: Row) -> str:
-    """Return the deviation of our value as text; differences by rounding only are omitted."""
+    """Return the deviation of our value as text; differences by rounding only are omitted.
+
+    For a bound the text states whether our value lies within it. If the source states the error of
+    its value, the text compares the difference with the error.
+    """
+    if row.bound and row.ours is not None:
+        return "within" if holds(row) else f"beyond by {excess(beyond(row))}"
     off = row.deviation
-    return "-" if off is None else percent(100 * off if abs(off) > _ROUNDING else 0)
+    if off is None:
+        return "-"
+    if off > LARGE:
+        return factor(off)
+    text = percent(100 * off if abs(off) > _ROUNDING else 0)
+    error = interval_of(row)
+    if not error or row.ours is None or row.source is None:
+        return text
+    ratio = abs(row.ours - row.source) / float(error)
+    if ratio <= 1:
+        return f"{text} (within the error)"
+    return f"{text} ({significant(ratio, 2)} times the error)"
 
 
 def factor(off: float) -> str:
     """Return the text of a very large ratio of our value to the other value."""
     if off + 1 > _MOST_FACTOR:
-        return f"more than times {_MOST_FACTOR:g}"
-    return f"times {significant(off + 1, 2)}"
+        return f"more than {_MOST_FACTOR:g} times"
+    return f"{significant(off + 1, 2)} times"
+
+
+def interval_of(row: Row) -> str:
+    """Return the half-width of the error of the source, as printed; empty if it states none."""
+    found = _INTERVAL.search(row.remark or "")
+    return found[1] if found and row.source is not None else ""
+
+
+def reference_text(row: Row) -> str:
+    """Return the value of the source, with its error, or of theory."""
+    against = row.theory if row.source is None else row.source
+    if against is None:
+        return "-"
+    if error := interval_of(row):
+        decimals = len(error.partition(".")[2])
+        return f"{against:.{decimals}f} ± {error}"
+    return without_power(significant(against, _DIGITS))
+
+
+def ours_text(row: Row) -> str:
+    """Return our value with its meaningful digits, or with as many more as show its deviation."""
+    assert row.ours is not None
+    return without_power(significant(row.ours, shown_digits(row)))
+
+
+def shown_digits(row: Row) -> int:
+    """Return the number of digits of our value with which it shows its deviation.
+
+    With few digits the rounded value can contradict the deviation, as 1 and +0.7 % do. Deviations
+    that only more than `_MOST_SHOWN` digits would show are left to the text of the difference.
+    """
+    off = row.deviation
+    against = row.theory if row.source is None else row.source
+    if off is None or against is None or row.ours is None:
+        return row.digits
+    for digits in range(row.digits, _MOST_SHOWN + 1):
+        shown = float(f"{row.ours:.{digits}g}") / against - 1
+        if abs(shown - off) <= _SHOWN * abs(off):
+            return digits
+    return row.digits
+
+
+def without_power(text: str) -> str:
+    """Return a number from 1 to 1e7 without a power of ten."""
+    if _WITH_POWER.fullmatch(text) and abs(float(text)) < _PLAIN:
+        return f"{float(text):.0f}"
+    return text
 
 
 def escaped(text: str) -> str:
@@ -112,31 +178,17 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
     """
     heads = ("quantity", "compared with", "value", "granwave", "difference")
     text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    remarks: list[str] = []
+    entries: list[tuple[int, str, Row]] = []
     for number, (name, rows) in enumerate(lines):
-        if rows:
-            against = [row.theory if row.source is None else row.source for row in rows]
-            values = ", ".join("-" if one is None else significant(one, 5) for one in against)
-            ours = ", ".join(significant(row.ours, row.digits) for row in rows)
-            off = ", ".join(map(difference, rows))
-            unit = rows[0].unit
-            what = f"{KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
-            shown = f"[{escaped(name)}]({links[number]})" if links else escaped(name)
-            remark = _remark(rows)
-            if remark:
-                remarks.append(remark)
-                off = f"{off} {superscript(len(remarks))}"
-            cells = [shown, what, with_unit(values, unit), with_unit(ours, unit), off]
-            text.append(f"| {' | '.join(cells)} |")
-    for place, remark in enumerate(remarks, 1):
-        text += ["", f"{superscript(place)} {escaped(remark)}"]
+        entries += [(number, name, row) for row in rows]
+    _, notes = notes_of([row.remark for _, _, row in entries], above=False)
+    marks = marks_of(notes)
+    for (number, name, row), of_row in zip(entries, notes, strict=True):
+        what = f"{KINDS[row.kind]}: {row.where}".removesuffix(": ")
+        shown = f"[{escaped(name)}]({links[number]})" if links else escaped(name)
+        values = [with_unit(value, row.unit) for value in (reference_text(row), ours_text(row))]
+        off = " ".join([difference(row), *marked(of_row, marks)])
+        text.append(f"| {' | '.join([shown, what, *values, off])} |")
+    for note, mark in marks.items():
+        text += ["", f"{mark} {escaped(note)}"]
     return "\n".join(text) + "\n"
-
-
-def _remark(rows: Sequence[Row]) -> str:
-    """Return the remarks of several rows as one remark that contains each sentence once."""
-    sentences: list[str] = []
-    for row in rows:
-        if row.remark:
-            sentences += row.remark.removesuffix(".").split(". ")
-    return " ".join(f"{sentence}." for sentence in dict.fromkeys(sentences))

@@ -11,6 +11,7 @@ page. All of them are generated from the stored results.
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,9 +19,11 @@ from pathlib import Path
 from typing import Any
 
 import results_coverage
+import results_measured_picture
 import results_picture
 import results_values_picture
 from results_chosen import CHOSEN, IN_PAPER, LABELS, MEASURED, MORE
+from results_conclusions import CLOSE, agreement_of, bounds_of, conclusion_of
 from results_rows import (
     KINDS,
     LARGE,
@@ -30,10 +33,14 @@ from results_rows import (
     escaped,
     excess,
     factor,
-    flagged,
+    holds,
+    ours_text,
+    reference_text,
     table_of,
 )
 from results_stored import ROOT, STORED, read_stored, read_table, row_of
+from results_study import tables_of
+from results_symbols import readable_numbers, with_formulas
 from results_wide import parts_of
 
 from granwave.analysis.document.model import (
@@ -41,6 +48,7 @@ from granwave.analysis.document.model import (
     DocumentTable,
     Note,
     Report,
+    changed,
     cleaned,
     percent,
     significant,
@@ -48,7 +56,6 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.reports.report import markdown
-from granwave.analysis.reports.studies import row_tables
 from granwave.analysis.studies.study import Row, Study
 from granwave.lammps_inputs.files import replace_text
 
@@ -59,9 +66,16 @@ README = ROOT / "README.md"
 FIRST_PAGE = ROOT / "docs" / "index.md"
 PAPER = ROOT / "docs" / "paper" / "paper.md"
 _TITLE = "Comparison with the literature"
-_LEAD = """\
-`make results` generates these pages from finished runs; no number is typed by hand. Four
-sources have short names:
+_MESSAGE = """\
+More than half of the values that sources print are reproduced within 10 %, many within 1 %: for
+example the energy in a square packing, the fronts in a bilinear chain, and waves in precompressed
+chains. Larger differences have four causes. The source has a misprint or contradicts itself
+([errata](errata.md)); it does not print a property that matters, such as a modulus or the velocity
+of a striker; a formula is used outside its range; or one of the two models lacks an effect, such as
+partial slip ([limits](limits.md)). Some differences are not explained. The pages by subject begin
+with their conclusions."""
+_SOURCES = """\
+Four sources have short names:
 
 * *Thesis*: R. K. Pal, *Wave tailoring in elastic and elastoplastic granular systems*,
   dissertation, University of Illinois at Urbana-Champaign, 2015.
@@ -82,18 +96,21 @@ There are four kinds of rows:
   any correct code. The second solvers are in `tests/helpers` and share no code with granwave.
 * Rows of *granwave only* have no reference. (Their kind is `alone` in `study_rows.csv`.)
 
-If a source or theory gives only a bound (the end of an axis, or *at most*), no difference is
-given."""
+If a source or theory gives only a bound (the end of an axis, or *at most*), the tables state
+whether our value is within the bound, or by how much it is beyond it.
+
+`make results` generates these pages from finished runs; no number is typed by hand. The text of the
+conclusions is in `reproductions/conclusions.md`."""
 _COUNTING = """\
 A number with its unit and place in a source is one printed value, which several rows may compare:
 with other positions, with variants that test a reason for a difference, or with settings of the
-source, such as its meshes. Equal numbers at one place count once. A value agrees in every
-comparison if all its rows do. Values from theory and verifications are counted by rows. Remarks
+source, such as its meshes. A number printed once is counted once, even if several rows use it. A
+value agrees in every comparison if all its rows do. Values from theory and verifications are
+counted by rows. Remarks
 give the reason of a difference where it is known: a misprint ([errata](errata.md)), missing data of
 the source, or an effect that one of the two models does not have."""
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _COUNTS = re.compile(r"(<!-- counts -->)(.*?)(<!-- /counts -->)", re.DOTALL)
-_CLOSE = 0.1  # largest relative deviation that counts as agreement
 _PICTURE_TEXT = "Relative difference of each value from its reference, by study and kind"
 _PICTURE_CAPTION = (
     "*Each point is a row. Filled symbols: granwave is larger than the reference; open "
@@ -132,6 +149,7 @@ def write_pages(stored: Mapping[str, Any]) -> None:
         if labels and is_stale(picture, part, labels):
             results_picture.draw(part, labels, picture, letters=False)
     results_values_picture.write_stale(stored, PAGES)
+    results_measured_picture.write_stale(stored)
     results_coverage.write_page(stored)
     for page, table in tables_elsewhere(stored).items():
         text = with_block(page.read_text(encoding="utf-8"), table)
@@ -148,8 +166,9 @@ def is_stale(picture: Path, stored: Mapping[str, Any], labels: Mapping[str, str]
 def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
     """Return the tables in pages that are otherwise written by hand."""
     return {
-        README: table_of(chosen_rows(stored)),
-        FIRST_PAGE: table_of(chosen_rows(stored, MEASURED)),
+        README: readable_numbers(table_of(chosen_rows(stored))),
+        FIRST_PAGE: results_measured_picture.text()
+        + readable_numbers(table_of(chosen_rows(stored, MEASURED))),
         PAPER: _of_paper(stored),
     }
 
@@ -159,12 +178,13 @@ def counts_in_words(stored: Mapping[str, Any]) -> str:
     printed = results_picture.printed_values(stored)
     always = [max(offs) for offs in printed]
     once = [min(offs) for offs in printed]
+    bounds = list(itertools.chain.from_iterable(map(bounds_of, stored["suites"].values())))
     _, theory, verifications = (_deviations(stored, kind) for kind in results_picture.KINDS)
     return (
         f"Sources print {len(printed)} of the compared values: {_close(always)} agree within 10 % "
         f"in every comparison, {_close(once)} in at least one. Of {len(theory)} values from "
-        f"theory, {_close(theory)} agree within 10 %. A further {len(verifications)} values test "
-        "the code only."
+        f"theory, {_close(theory)} agree within 10 %. Of {len(bounds)} bounds, "
+        f"{sum(map(holds, bounds))} hold. A further {len(verifications)} values test the code only."
     )
 
 
@@ -175,7 +195,7 @@ def _deviations(stored: Mapping[str, Any], kind: str) -> list[float]:
 
 def _close(deviations: Sequence[float]) -> str:
     """Return the number of deviations within 10 %, with its percentage."""
-    number = sum(off <= _CLOSE for off in deviations)
+    number = sum(off <= CLOSE for off in deviations)
     return f"{number} ({100 * number / len(deviations):.0f} %)"
 
 
@@ -193,7 +213,7 @@ def _of_paper(stored: Mapping[str, Any]) -> str:
         if kind == "source":
             offs = [max(of_value) for of_value in results_picture.printed_values(stored)]
             every = " in every comparison"
-        close = [sum(off <= limit for off in offs) for limit in (0.01, _CLOSE)]
+        close = [sum(off <= limit for off in offs) for limit in (0.01, CLOSE)]
         parts.append(
             f"of {len(offs)} values of kind *{name}*, {close[0]} agree within 1 % and {close[1]} "
             f"within 10 %{every}"
@@ -213,7 +233,7 @@ def pages_of(stored: Mapping[str, Any]) -> dict[Path, str]:
     pages = {
         PAGES / f"{name}.md": _suite_page(name, suite) for name, suite in stored["suites"].items()
     }
-    return {PAGE: _first_page(stored), **pages}
+    return {PAGE: with_formulas(readable_numbers(_first_page(stored))), **pages}
 
 
 def _first_page(stored: Mapping[str, Any]) -> str:
@@ -224,9 +244,9 @@ def _first_page(stored: Mapping[str, Any]) -> str:
     lines = sorted(zip((*CHOSEN, *MORE), chosen_rows(stored, (*CHOSEN, *MORE)), strict=True),
                    key=lambda pair: names.index(pair[0][1]) if pair[0][1] in names else len(names))  # fmt: skip
     table = table_of((line for _, line in lines), [f"results/{entry[1]}.md" for entry, _ in lines])
-    counts = {name: _counts(suite) for name, suite in stored["suites"].items()}
     pages = "\n".join(
-        f"| {_link(name)} | {stored['suites'][name]['title']} | {counts[name]} |" for name in names
+        f"| {_link(name)} | {suite['title']} | {_counts(suite)} | {agreement_of(suite)} |"
+        for name, suite in stored["suites"].items()
     )
     absent = stored.get("absent", ())
     note = (
@@ -251,17 +271,17 @@ def _first_page(stored: Mapping[str, Any]) -> str:
 ```{{index}} ! validation, ! comparison with experiments, ! compare with experiments
 ```
 
-{_LEAD}
+{counts_in_words(stored)}
 
-## All agreements
+{_MESSAGE}
+
+## All comparisons
 
 ![Difference between each granwave value and its reference, by suite and kind](agreement.webp)
 
 *Each point is one of {len(shown)} rows: the relative difference between granwave and its reference, on a
 logarithmic axis. Full symbols: granwave is larger; open symbols: granwave is smaller. The grey area begins at 10 %. Points at an
 edge lie beyond the axis. Rows with only a bound or without a reference are left out. The letters are explained below.*
-
-{counts_in_words(stored)}
 
 {_COUNTING}
 
@@ -289,10 +309,14 @@ Of these, {len(outside)} lie outside.
 {_outside_rows(outside)}
 ## All rows
 
-| page | subject | rows |
-|---|---|---|
+| page | subject | rows | agreement |
+|---|---|---|---|
 {pages}
 {note}
+## Sources and kinds of rows
+
+{_SOURCES}
+
 ```{{toctree}}
 :hidden:
 
@@ -324,10 +348,11 @@ def _far_rows(stored: Mapping[str, Any]) -> str:
 def _outside_rows(outside: Iterable[tuple[str, Row]]) -> str:
     lines = []
     for name, row in outside:
+        quantity = readable_numbers(ratio_in_words(row.quantity))
         cells = [
-            f"[{escaped(ratio_in_words(row.quantity))}](results/{name}.md)",
-            with_unit(significant(row.theory if row.source is None else row.source, 5), row.unit),
-            with_unit(significant(row.ours, row.digits), row.unit),
+            f"[{escaped(quantity)}](results/{name}.md)",
+            with_unit(reference_text(row), row.unit),
+            with_unit(ours_text(row), row.unit),
             excess(beyond(row)),
         ]
         lines.append(f"| {' | '.join(cells)} |\n")
@@ -370,26 +395,28 @@ def with_block(text: str, table: str) -> str:
 def _suite_page(name: str, suite: Mapping[str, Any]) -> str:
     """Return the page of a suite: its picture, and a section for each study that has rows or tables."""
     state = "" if suite["complete"] else " Not all of its runs are done."
-    lead = (
-        f"Command: {suite['command']}. Last run on {suite['date']}.{state} Rows: {_counts(suite)}."
-    )
     sections = []
     for study_name, study in suite["studies"].items():
-        found = Study("", study["title"], "", tuple(flagged(row_of(row)) for row in study["rows"]))
+        found = Study("", study["title"], "", tuple(row_of(row) for row in study["rows"]))
         notes = [Note(text) for text in (study["text"], *study["verdict"]) if text]
         tables: list[Note | DocumentTable] = []
         for one in study["tables"]:
             tables += [Note(one)] if isinstance(one, str) else parts_of(read_table(one))
-        parts = (*notes, *row_tables(found), *tables)
+        parts = (*notes, *tables_of(found), *tables)
         if len(parts) > len(notes):
             sections.append(DocumentSection(study["title"], study_name, parts))
-    text, _ = markdown(cleaned(tidied(Report(suite["title"], lead, tuple(sections)))), "")
+    report = changed(tidied(Report(suite["title"], "", tuple(sections))), str, readable_numbers)
+    text, _ = markdown(cleaned(report), "")
     title, _, rest = text.partition("\n")
-    head = f"{title}\n\n[{_TITLE}](../results.md) explains the kinds of rows.\n"
     picture = results_values_picture.text_of(name, suite)
     if results_picture.by_study(suite)[1]:
         picture += f"\n![{_PICTURE_TEXT}]({name}.webp)\n\n{_PICTURE_CAPTION}\n"
-    return f"{head}{picture}{_VERIFICATION.sub(_folded, rest)}"
+    runs = (
+        f"Command: `{suite['command']}`. Last run on {suite['date']}.{state} "
+        f"Rows: {_counts(suite)}. [{_TITLE}](../results.md) explains the kinds of rows."
+    )
+    head = f"{title}\n\n{conclusion_of(name, suite)}\n"
+    return with_formulas(f"{head}{picture}\n{runs}\n{_VERIFICATION.sub(_folded, rest)}")
 
 
 def _folded(table: re.Match[str]) -> str:

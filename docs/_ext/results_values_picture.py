@@ -43,6 +43,11 @@ _TITLE_CHARACTERS = 15.2  # an inch of a title
 _SUBTITLE_CHARACTERS = 17.5
 _NAME_CHARACTERS = 17.0  # of the name of a curve
 
+#: Rule of the choice of panels and rows, in `results_panels`.
+_CHOICE = (
+    ": at most eight groups of values with the same quantity or unit, first the groups with most "
+    "values of sources, from as many studies as possible"
+)
 _NARROW = 3  # curves in a panel of one column
 _UNITS = {"": "dimensionless", "1e-3": "10⁻³", "us": "µs"}
 _BLACK = "#222222"
@@ -93,7 +98,7 @@ def text_of(name: str, suite: Mapping[str, Any]) -> str:
     return (
         f"\n![{escaped(text)}]({picture_of(name)})\n\n"
         f"*The figure shows {page.number()} of the {page.total} values that have a reference in "
-        f"the tables below. {'; '.join(kinds)}.*\n"
+        f"the tables below{_CHOICE if page.number() < page.total else ''}. {'; '.join(kinds)}.*\n"
     )
 
 
@@ -362,7 +367,7 @@ def _legend(figure: Figure, page: ValuesOfPage) -> None:
     """Draw the kinds of values that the figure has above the panels."""
     theory = "reference of the verification" if page.verification else "theory"
     entries = {
-        "ours": Line2D([], [], label="ours", **_OURS),
+        "ours": Line2D([], [], label="granwave", **_OURS),
         "source": Line2D([], [], label="source", **_SOURCE),
         "theory": Line2D([], [], label=theory, ls="--", lw=0.9, **_THEORY),
     }

@@ -1,7 +1,9 @@
-/* Weights of the search of the site; docs/_ext/search.py reads the rooms from this file.
+/* Weights of the search of the site; docs/_ext/search.py reads them from this file.
 
    Results with equal scores would be in the order of their titles. A room adds to the score of all
-   pages whose name begins so: titles and how-tos come first, results and the changelog last. */
+   pages whose name begins so: titles and how-tos come first, results and the changelog last. A title
+   adds titleWords times the fraction of the query's words that it contains, below 1: it decides
+   between results that are equal otherwise. */
 var Scorer = {
   rooms: {
     "howto/": 3,
@@ -16,11 +18,25 @@ var Scorer = {
     "explanation/coverage": -4,
     "reference/changelog": -13
   },
+  titleWords: 0.9,
+  wordsOf: (text) => text.toLowerCase().split(/[^a-z0-9_]+/).filter((word) => word),
+  query: () => new URLSearchParams(window.location.search).get("q") || "",
+  partInTitle: (title, query) => {
+    const asked = Scorer.wordsOf(query);
+    const words = Scorer.wordsOf(title);
+    const matched = asked.filter((word) =>
+      words.some((one) => one.startsWith(word.length > 3 ? word.replace(/s$/, "") : word))
+    );
+    return asked.length ? matched.length / asked.length : 0;
+  },
   score: (result) => {
+    const [page, title, , description, score] = result;
     const room = Object.keys(Scorer.rooms)
-      .filter((name) => result[0].startsWith(name))
+      .filter((name) => page.startsWith(name))
       .reduce((best, name) => (name.length > best.length ? name : best), "");
-    return result[4] + (Scorer.rooms[room] || 0);
+    // names of Python objects have a description, and scores of their own
+    const part = description ? 0 : Scorer.partInTitle(title, Scorer.query());
+    return score + (Scorer.rooms[room] || 0) + Scorer.titleWords * part;
   },
   objNameMatch: 11,
   objPartialMatch: 6,

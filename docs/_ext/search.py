@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 FIRST = 3  # results among which the page is expected
+FIRST_OF_HEADS = 2  # results among which the page of HEADS is expected
 _TITLE = 15
 _PART_OF_TITLE = 7
 _TERM = 5
@@ -27,9 +28,12 @@ _OBJECT = 11
 _PART_OF_OBJECT = 6
 _PRIORITY = {0: 15, 1: 5, 2: -5}
 _INDEX = 100  # of a whole entry
+LONG_WORD = 3  # characters above which a final s may be a plural
 SCORER = Path(__file__).with_name("scorer.js").read_text(encoding="utf-8")
 #: Weights of pages, by the beginning of their names.
 ROOMS: dict[str, int] = json.loads(re.search(r"rooms: (\{.*?\})", SCORER, re.DOTALL)[1])
+#: Weight of a title that contains all words of the query; it decides between equal results.
+TITLE_WORDS = float(re.search(r"titleWords: ([\d.]+)", SCORER)[1])
 #: Words that people look for, and the page that answers, by name below ``docs`` without its suffix.
 WORDS = {
     "howto/struck-packings": ("impactor", "striker", "projectile", "oblique impact"),
@@ -110,6 +114,20 @@ WORDS = {
     "reference/figures": ("figures",),
     "reference/contributing": ("contributing", "new lattice", "new contact law"),
 }  # fmt: skip
+#: Words whose page is expected among the first two results.
+HEADS = {
+    "changelog": "reference/changelog",
+    "what changed": "reference/changelog",
+    "new in 1.0": "reference/changelog",
+    "release notes": "reference/changelog",
+    "force chains": "howto/contact-figures",
+    "fit material": "extensions/continuum/fit-a-law",
+    "absorb waves": "howto/boundaries",
+    "contacts csv": "howto/other-programs",
+    "Thornton": "explanation/contact-law",
+    "killed run": "howto/stop-and-resume",
+    "group velocity": "extensions/waves/bands",
+}
 #: Passages that the first result of a word opens.
 PASSAGES = {
     "zone_depth_90_m": "reference/quantities#zone-depth-90-m",
@@ -161,24 +179,45 @@ def search(
         one for word in dict.fromkeys(map(str.lower, words)) for one in _objects(index, word, words)
     ]
     found = [*_titles(index, asked), *main, *objects, *_texts(index, list(stems))]
+    # entries that are not marked as the main ones come last
     ordered = [
-        *_ordered(map(_weighted, found)),
-        *_ordered(map(_weighted, others)),
-    ]  # entries that are not marked as the main ones come last
+        *_ordered(_weighted(result, query) for result in found),
+        *_ordered(_weighted(result, query) for result in others),
+    ]
     first: dict[object, Result] = {}
     for one in ordered:
         first.setdefault((one.page, one.title, one.anchor, one.description), one)
     return list(first.values())
 
 
-def _weighted(result: Result) -> Result:
-    """Return a result whose score includes the weight of its page: of the longest beginning of its
-    name.
+def _weighted(result: Result, query: str) -> Result:
+    """Return a result whose score includes the weight of its page, of the longest beginning of its
+    name, and the weight of the query's words in its title.
     """
+    score = result.score
     beginnings = [name for name in ROOMS if result.page.startswith(name)]
-    if not beginnings:
-        return result
-    return result._replace(score=result.score + ROOMS[max(beginnings, key=len)])
+    if beginnings:
+        score += ROOMS[max(beginnings, key=len)]
+    if not result.description:  # names of Python objects have scores of their own
+        score += TITLE_WORDS * part_in_title(result.title, query)
+    return result._replace(score=score)
+
+
+def part_in_title(title: str, query: str) -> float:
+    """Return the fraction of the query's words with which words of a title begin; a final s of a
+    query's word does not matter.
+    """
+    asked = _words(query)
+    words = _words(title)
+    matched = 0
+    for word in asked:
+        beginning = word.removesuffix("s") if len(word) > LONG_WORD else word
+        matched += any(one.startswith(beginning) for one in words)
+    return matched / len(asked) if asked else 0.0
+
+
+def _words(text: str) -> list[str]:
+    return re.findall(r"[a-z0-9_]+", text.lower())
 
 
 def _ordered(found: Iterable[Result]) -> list[Result]:
@@ -269,13 +308,17 @@ def missed(
             found.append(
                 f"{word}: expected {passage} first, found {', '.join(opened) or 'nothing'}"
             )
+    expected = []
     for page, words in WORDS.items():
-        for word in words:
-            first = [one.page for one in search(index, word, stem, stopwords)[:FIRST]]
-            if page not in first:
-                found.append(
-                    f"{word}: expected {page} among the first {FIRST} results, found {', '.join(first) or 'nothing'}"
-                )
+        expected += [(word, page, FIRST) for word in words]
+    expected += [(word, page, FIRST_OF_HEADS) for word, page in HEADS.items()]
+    for word, page, number in expected:
+        first = [one.page for one in search(index, word, stem, stopwords)[:number]]
+        if page not in first:
+            found.append(
+                f"{word}: expected {page} among the first {number} results, "
+                f"found {', '.join(first) or 'nothing'}"
+            )
     return found
 
 
@@ -290,7 +333,7 @@ def main(site: str, *query: str) -> int:
             print(f"{one.score:4g}  {one.page}{one.anchor}  {one.title} {one.description}")
         return 0
     faults = missed(index, language.stem, language.stopwords)
-    number = sum(map(len, WORDS.values())) + len(PASSAGES)
+    number = sum(map(len, WORDS.values())) + len(HEADS) + len(PASSAGES)
     print("\n".join(faults) or f"{number} words find their pages")
     return 1 if faults else 0
 

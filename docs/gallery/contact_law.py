@@ -29,8 +29,8 @@ with gw.style():
     for n, force in unloading.items():
         label = "unloading and reloading" if n == 20 else None
         axes.plot(branches[n][force > 0] * 1e6, force[force > 0], color="C0", label=label)
-    axes.set(xlabel="overlap (um)", ylabel="force (N)", xlim=(0, None), ylim=(0, None))
+    axes.set(xlabel="overlap (µm)", ylabel="force (N)", xlim=(0, None), ylim=(0, None))
     axes.legend()
     figure.savefig("picture.png", dpi=150)
 
-print(f"first yield at an overlap of {unit * 1e6:.3f} um and a force of {yield_force:.3f} N")
+print(f"first yield at an overlap of {unit * 1e6:.3f} µm and a force of {yield_force:.3f} N")

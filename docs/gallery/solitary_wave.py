@@ -24,11 +24,11 @@ with gw.style():
             color="C0" if contact % 20 == 5 else "C1",
             label=f"{contact + 1}",
         )
-    left.set(xlabel="time (us)", ylabel="contact force (N)", title="contacts 6, 16, 26, 36, 46")
+    left.set(xlabel="time (µs)", ylabel="contact force (N)", title="contacts 6, 16, 26, 36, 46")
     picture = right.pcolormesh(
         range(1, force.shape[1] + 1), time * 1e6, force, cmap="viridis", rasterized=True
     )
-    right.set(xlabel="contact", ylabel="time (us)")
+    right.set(xlabel="contact", ylabel="time (µs)")
     figure.colorbar(picture, label="force (N)")
     figure.savefig("picture.png", dpi=150)
 

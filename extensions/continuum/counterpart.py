@@ -86,7 +86,9 @@ def _lines(what: str, found: Counterpart) -> list[str]:
     command = found.command or f"none, {found.reason}"
     lines = ["", f"{what} of equal input: {command}"]
     if found.stays_elastic:
-        lines.append(f"It stays elastic: it yields from about {found.yield_velocity:.2g} m/s.")
+        body = "block" if what == "continuum" else "packing"
+        velocity = f"{found.yield_velocity:.2g} m/s"
+        lines.append(f"The {body} stays elastic; it would yield above about {velocity}.")
     return lines
 
 

@@ -143,7 +143,7 @@ def fit_summary(found: FittedLaw) -> str:
     text += f"({found.scale})"
     if found.correlation:
         text += (
-            f"\nerrors of neighbouring rows are correlated ( {found.correlation:.2f}): the "
+            f"\nerrors of neighbouring rows are correlated ({found.correlation:.2f}): the "
             "uncertainties account for this"
         )
     return text

@@ -32,7 +32,7 @@ from granwave.lammps_inputs.case.material import (
 )
 
 _POINT_FORM = "[x, y, z] in m"
-_OFFSET = Usual("m", 1e-9, 1.0, ("mm", "um"))
+_OFFSET = Usual("m", 1e-9, 1.0, ("mm", "µm"))
 
 
 CENTRE = "centre"  # value for the sphere at the centre of the top
@@ -181,9 +181,7 @@ class Hold:
     directions: str = schema.typed(
         "directions in which the grains do not move, from x, y and z", _DIRECTIONS, default="xyz"
     )
-    rotation: bool = schema.choice(
-        "true: the grains do not rotate either", (True, False), default=True
-    )
+    rotation: bool = schema.choice("true: rotation is held too", (True, False), default=True)
 
     @property
     def axes(self) -> str:

@@ -31,7 +31,7 @@ POSSIBLE: dict[str, tuple[float, float]] = {
     "diameters": (1e-9, 2.0),
 }
 _EXPONENTS = {  # powers of ten of the SI unit
-    "GPa": 9, "MPa": 6, "kPa": 3, "g/cm^3": 3, "mm": -3, "um": -6, "mm^2": -6, "cm^2": -4, "us": -6, "ms": -3, "ns": -9,
+    "GPa": 9, "MPa": 6, "kPa": 3, "g/cm^3": 3, "mm": -3, "µm": -6, "mm^2": -6, "cm^2": -4, "µs": -6, "ms": -3, "ns": -9,
     "mm/s": -3, "mm/s^2": -3, "kN": 3, "mN": -3, "g": -3, "kHz": 3, "MHz": 6,
 }  # fmt: skip
 
@@ -58,16 +58,16 @@ class Usual:
     beyond: float = 1.0
 
 
-LENGTH = Usual("m", 1e-9, 1e2, ("mm", "um"))
-DIAMETER = Usual("m", 1e-6, 1.0, ("mm", "um"))  # diameter of spheres: powders to boulders
+LENGTH = Usual("m", 1e-9, 1e2, ("mm", "µm"))
+DIAMETER = Usual("m", 1e-6, 1.0, ("mm", "µm"))  # diameter of spheres: powders to boulders
 AREA = Usual("m^2", 1e-10, 1.0, ("mm^2", "cm^2"))
-TIME = Usual("s", 1e-10, 0.5, ("us", "ms"))  # time of a run or a pulse
-INTERVAL = Usual("s", 1e-13, 0.5, ("ns", "us"))  # interval of steps or records
+TIME = Usual("s", 1e-10, 0.5, ("µs", "ms"))  # time of a run or a pulse
+INTERVAL = Usual("s", 1e-13, 0.5, ("ns", "µs"))  # interval of steps or records
 VELOCITY = Usual("m/s", 1e-6, 1e3, ("mm/s",))
 SPIN = Usual("rad/s", 1e-6, 1e6)  # angular velocity, rad/s
 FREQUENCY = Usual("Hz", 0.1, 1e8, ("kHz", "MHz"))
 ACCELERATION = Usual("m/s^2", 1e-3, 5e3, ("mm/s^2",))
-DISPLACEMENT = Usual("m", 1e-12, 0.1, ("um", "mm"))
+DISPLACEMENT = Usual("m", 1e-12, 0.1, ("µm", "mm"))
 FORCE = Usual("N", 1e-9, 1e9, ("kN", "mN"))
 PRESSURE = Usual("Pa", 10.0, 1e10, ("MPa", "kPa"))
 MASS = Usual("kg", 1e-9, 1e6, ("g",))

@@ -91,7 +91,7 @@ class RunSettings:
 
     end_time: float | str = schema.positive_or_auto(
         "end of the run; auto: when dissipation grows by less than 1e-4 of the energy input in 50 "
-        "us, or in the multiple of 50 us that contains a slow collision; at most 5 ms",
+        "µs, or in the multiple of 50 µs that contains a slow collision; at most 5 ms",
         TIME,
         default=1e-3,
     )

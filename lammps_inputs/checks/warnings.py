@@ -192,7 +192,7 @@ def _of_times(assembly: Assembly) -> Iterator[str]:
     if case.run.end_time == "auto" and not case.contact.yields and not case.has_cohesion:
         yield (
             'a Hertzian packing dissipates no energy, so run.end_time = "auto" ends after the '
-            "first collision (at least 50 us)"
+            "first collision (at least 50 µs)"
         )
 
 

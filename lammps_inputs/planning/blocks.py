@@ -1,7 +1,7 @@
 """Blocks of time after which a run with ``run.end_time = "auto"`` may end.
 
 A run ends after the first block that adds less than `BLOCK_THRESHOLD` of the energy input to
-dissipation. A block is 50 us long, or the smallest multiple that contains a collision of the
+dissipation. A block is 50 µs long, or the smallest multiple that contains a collision of the
 impacted sphere: in a shorter block of a slow collision nothing has yielded yet.
 """
 

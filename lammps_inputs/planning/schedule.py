@@ -38,7 +38,7 @@ _LEDGER_ROWS = 500  # aimed at, of a run with an end time
 # the run may end after one block, and a balance over fewer instants is no balance
 _LEDGER_ROWS_IN_BLOCK = 250
 _AUTO_PROBE_STEPS = 5
-# some 0.3 us in the reference case; LAMMPS evaluates all energies whenever it records anything
+# some 0.3 µs in the reference case; LAMMPS evaluates all energies whenever it records anything
 _WALL_STEPS = 10
 MOST_STEPS = 2e9
 # each snapshot evaluates a formula with a term for each of them: 40 s in total

@@ -304,7 +304,9 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   if (comm->me == 0) utils::sfread(FLERR, &format, sizeof(int), 1, fp, nullptr, error);
   MPI_Bcast(&format, 1, MPI_INT, 0, world);
   if (format < EARLIEST_RESTART_FORMAT || format > RESTART_FORMAT)
-    error->all(FLERR, "Restart file contains format {} of pair style gran/hysteretic; this version reads formats {} to {}",
+    error->all(FLERR,
+               "Restart file contains format {} of pair style gran/hysteretic; this version reads formats {} to {}. "
+               "Start the simulation again, or continue it with the version of granwave that wrote the file",
                format, EARLIEST_RESTART_FORMAT, RESTART_FORMAT);
   const std::vector<double> settings = read_state(lmp, fp, "the settings of pair style gran/hysteretic");
   from_restart = true;

@@ -38,12 +38,5 @@ class Crystal:
         self.walls = self.case.boundary.sides == "wall"
 
 
-def not_kept(value, remark=""):
-    """Remark with the value of an earlier program, which is no longer available, so that the value
-    is no evidence.
-    """
-    return f"An earlier program, which is no longer available, gave {value:g}. {remark}".strip()
-
-
 def by_name(crystals):
     return {name: one for name in NAMES.values() for one in crystals if one.name == name}

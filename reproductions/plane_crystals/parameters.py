@@ -9,7 +9,7 @@ later motion is chaotic.
 import math
 
 import numpy as np
-from crystal import NAMES, OURS, SOURCE, Crystal, not_kept
+from crystal import NAMES, OURS, SOURCE, Crystal
 from matplotlib.figure import Figure
 from motion import later_peak
 from relaxation import is_of_equation
@@ -24,16 +24,14 @@ BASE = {"height": 1.0, "gap": 0.0, "friction": 0.3, "loss": 12e-6, "modulus": 70
         "scatter": 0.0, "plate": 20.0}  # fmt: skip
 ALONE = ("diameter", "count", "scatter")  # parameters changed to only one other value
 SIZE = {"BCC": (6, 16), "HCP": (8, 14)}
-GIVES = {"BCC": 76.0, "HCP": 25.0}  # modulus that gives 125 m/s, MPa
-# values of a program that is not kept, as for `GIVES`: BCC, HCP
-TRIAL = {
-    "height": {1.5: (14.1, 13.9), 2.0: (19.8, 20.8), 3.0: (31.1, 32.9)},  # border, D
-    "gap": {1e-4: (114.0, 204.0), 5e-4: (103.0, 204.0), 2e-3: (71.0, 204.0)},  # front speed, m/s
-    "friction": {0.6: (2.7, None)},  # first decay, 1/m
-    "loss": {0.0: (9.2, -0.4), 3e-6: (8.7, 1.0), 48e-6: (0.1, 3.1)},
-    "plate": {40.0: (3.7, 2.6), 80.0: (2.6, 2.3)},
-    "modulus": {150e6: (175.0, 299.0), 480e6: (315.0, 546.0), 1573e6: (587.0, 1043.0)},
+# values of the changed parameters that have rows
+SHOWN = {
+    "height": (1.5, 2.0, 3.0),
+    "gap": (1e-4, 5e-4, 2e-3),
+    "modulus": (150e6, 480e6, 1573e6),
 }
+# changed parameters whose fit of two regions is uncertain
+UNSURE = {"friction": (0.6,), "loss": (0.0, 3e-6, 48e-6), "plate": (40.0, 80.0)}
 FEW = (
     "The two regions have only seven or eight grains, and their border jumps from grain to "
     "grain: the fit has another minimum nearby."
@@ -84,62 +82,53 @@ def rows(runs):
     series, struck = measured(runs)
     alone = {"where": OURS}
     # fmt: off
-    for which, name in enumerate(NAMES.values()):
-        yield from of_modulus(series["modulus", name], which, name)
+    for name in NAMES.values():
+        yield from of_modulus(series["modulus", name], name)
     for one in struck:
         yield gw.Row(f"Decay of the peak speed, first region, a rigid cylinder on the middle grain, {one.name}", "1/m",
                      ours=one.decay.first, digits=2, **alone,
-                     remark=not_kept({"BCC": 66.5, "HCP": 28.0}[one.name],
-                                     "The decay differs strongly from the source value, for "
-                                     "which the load acts on the whole top."))
-    for which, name in enumerate(NAMES.values()):
+                     remark="The decay differs strongly from the source value, for which the load "
+                            "acts on the whole top.")
+    for name in NAMES.values():
         for value, one in series["height", name]:
-            if value in TRIAL["height"]:
+            if value in SHOWN["height"]:
                 yield gw.Row(f"Border of the two regions, all grains, {value:g} times as high, {name}", "D", digits=2,
                              ours=one.border, **alone,
-                             remark=not_kept(TRIAL["height"][value][which],
-                                 "This fit depends on the last two grains, which the floor "
-                                 "supports; it is meaningful only without them."))
+                             remark="This fit depends on the last two grains, which the floor "
+                                    "supports; it is meaningful only without them.")
         for value, one in series["gap", name]:
-            if value in TRIAL["gap"]:
+            if value in SHOWN["gap"]:
                 yield gw.Row(f"Front speed, gap of {1e3 * value:g} mm, {name}", "m/s", ours=one.down.front_speed,
-                             remark=not_kept(TRIAL["gap"][value][which]), digits=3, **alone)
+                             digits=3, **alone)
         for what, (words, scale) in DECAYS.items():
             for value, one in series[what, name]:
-                trial = TRIAL[what].get(value, (None, None))[which]
-                kind = {"where": SOURCE} if trial is None else alone | {"remark": not_kept(trial, FEW)}
+                unsure = value in UNSURE[what] and (what, name) != ("friction", "HCP")
+                kind = alone | {"remark": FEW} if unsure else {"where": SOURCE}
                 yield gw.Row(f"Decay of the peak speed, first region, {words.format(value * scale)}, {name}", "1/m",
                              ours=one.decay.first, digits=2, **kind)
-        for what, words, trial in (("diameter", "1-inch grains", (4.3, 0.9)), ("count", "8 a row", (4.5, None))):
+        for what, words in (("diameter", "1-inch grains"), ("count", "8 a row")):
             for _, one in series.get((what, name), []):
                 yield gw.Row(f"Decay, first region, {words}, {name}", "1/m", ours=one.decay.first,
-                             remark=not_kept(trial[which], FEW), digits=2, **alone)
+                             remark=FEW, digits=2, **alone)
         for value, one in series["scatter", name]:
             yield gw.Row(f"Front speed, diameters smaller by up to {1e6 * value:g} um, {name}", "m/s", digits=3,
-                         ours=one.down.front_speed, **alone,
-                         remark=not_kept((106.0, 180.0)[which],
-                             "Our random diameters differ from the diameters of that program."))
+                         ours=one.down.front_speed, **alone)
     # fmt: on
 
 
-def of_modulus(points, which, name):
+def of_modulus(points, name):
     """Rows of the speed at the printed moduli, and of the modulus that gives the printed speed."""
     moduli, speeds = np.array([(value, one.down.front_speed) for value, one in points]).T
     gives = np.exp(np.interp(np.log(SPEED), np.log(speeds), np.log(moduli))) / 1e6
-    alone = {"where": OURS}
     # fmt: off
     for value, speed in zip(moduli, speeds, strict=True):
-        if value in TRIAL["modulus"]:
-            quantity = f"Front speed at {value / 1e6:g} MPa, {name}"
-            yield gw.Row(quantity, "m/s", SPEED, speed, f"{SOURCE}, Fig. 9", digits=3,
+        if value in SHOWN["modulus"]:
+            yield gw.Row(f"Front speed at {value / 1e6:g} MPa, {name}", "m/s", SPEED, speed, f"{SOURCE}, Fig. 9", digits=3,
                          remark="The modulus and the speed printed in the source contradict each "
                                 "other in an ideal crystal.")
-            yield gw.Row(quantity, "m/s", ours=speed, remark=not_kept(TRIAL["modulus"][value][which]), digits=3, **alone)
-    quantity = f"Modulus that gives 125 m/s, {name}"
-    yield gw.Row(quantity, "MPa", 150.0, gives, f"{SOURCE}, 3", digits=2,
+    yield gw.Row(f"Modulus that gives 125 m/s, {name}", "MPa", 150.0, gives, f"{SOURCE}, 3", digits=2,
                  remark="The source value is the smallest of the printed effective moduli, 150 to "
                         "740 MPa.")
-    yield gw.Row(quantity, "MPa", ours=gives, remark=not_kept(GIVES[name]), digits=2, **alone)
     value, one = min(points, key=lambda point: abs(point[1].down.front_speed - SPEED))
     yield gw.Row(f"Second, small peak of the speed in deep grains, {value / 1e6:g} MPa, {name}", "ms", 4.0,
                  1e3 * later_peak(one), f"{SOURCE}, Fig. 9", digits=2,

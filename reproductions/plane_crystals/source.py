@@ -6,7 +6,7 @@ by a camera. The consequences of its printed formulas are computed here; its fig
 """
 
 import numpy as np
-from crystal import OURS, SOURCE, not_kept
+from crystal import OURS, SOURCE
 from relaxation import LONG, MEGA, TERMS, secant
 from scipy.optimize import brentq
 
@@ -114,7 +114,7 @@ def rows(runs):
             f"{slow:.0f} MPa."
         )
         if rise > EVENT:
-            remark += " This rise is longer than the experiment."
+            remark += " This rise time exceeds the duration of the experiment."
         yield gw.Row(f"Effective modulus at contact {contact}", "MPa", modulus, theory=secant(rise), digits=3,
                      where=f"{SOURCE}, 3", remark=remark)  # fmt: skip
         yield gw.Row(f"Stress / strain from the stress history, uniform rise within {rise:g} ms", "MPa", theory=secant(rise),
@@ -136,12 +136,12 @@ def rows(runs):
     yield from impulse_rows()
     law = Chain(runs[0]).law_between(1, 2)
     mass = runs[0].spheres["mass"].iloc[0] / 2
-    for speed, expected in ((1.0, 0.7468), (6.0, 0.7141)):
+    for speed in (1.0, 6.0):
         found = law.collide(mass, speed, loss_time=runs[0].case.contact.loss.time, steps=4000)
         yield gw.Row(f"Restitution of two grains at {speed:g} m/s, relaxation time 12 us", ours=found["restitution"],
-                     where=OURS, digits=4, remark=not_kept(expected,
-                         "According to the source a spring with a dashpot has the same "
-                         "restitution at all speeds."))  # fmt: skip
+                     where=OURS, digits=4,
+                     remark="According to the source a spring with a dashpot has the same "
+                            "restitution at all speeds.")  # fmt: skip
 
 
 def tables(_):

@@ -21,8 +21,8 @@ import granwave as gw
 from granwave.measures import Chain
 
 ELASTIC = "no relaxation"
-IN_MS = "times in ms"
-IN_S = "times in s"
+IN_MS = "time constants in ms"
+IN_S = "time constants in s"
 SHORTEST = 1e-2  # s, between time constants in ms and in s
 WIDE = 24  # grains a row: the sides do not reach the middle line
 DECAY = {"BCC": 1.6, "HCP": 1.8}  # 1/m, printed

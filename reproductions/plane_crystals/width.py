@@ -11,32 +11,12 @@ crystals with free sides separate at the same depth.
 """
 
 import numpy as np
-from crystal import NAMES, OURS, SOURCE, Crystal, not_kept
+from crystal import NAMES, SOURCE, Crystal
 from matplotlib.figure import Figure
 
 import granwave as gw
 from granwave.measures import parted_at
 
-# depth at which crystals with and without walls separate, by number of grains per row, D, by a
-# program that is not kept
-TRIAL = {
-    "BCC": {
-        4: (2.8, 2.8),
-        6: (2.8, 4.2),
-        8: (5.7, 5.7),
-        10: (5.7, 7.1),
-        12: (7.1, 8.5),
-        16: (9.9, 11.3),
-    },
-    "HCP": {
-        4: (1.7, 1.7),
-        6: (3.5, 3.5),
-        8: (6.9, 5.2),
-        10: (8.7, 8.7),
-        12: (10.4, 10.4),
-        16: (np.nan, 13.9),
-    },
-}
 # printed layers of region 1, number of grains per row inferred from them, printed decay in region 1
 # (1/m); layers per diameter
 PRINTED = {"BCC": (7.0, 7, 1.6, np.sqrt(2)), "HCP": (8.5, 8, 1.8, 2 / np.sqrt(3))}
@@ -110,12 +90,6 @@ def rows(group):
                  digits=2, remark="The decay is fitted by one exponential in the wide crystal. Plate "
                                   "and damping are not printed, so that only the order of magnitude "
                                   f"can be compared.{remark}")
-    for which, word in enumerate(("walls", "free sides")):
-        for one in group.pairs[which]:
-            if np.isfinite(one.parted) and np.isfinite(trial := TRIAL[crystal][one.count][which]):
-                yield gw.Row(f"Depth of separation, {one.count} and 40 grains per row, {word}, "
-                             f"{crystal}", "D", ours=one.parted,
-                             where=OURS, remark=not_kept(trial), digits=2)
     away = np.abs(np.array(group.parted) - group.width * group.law) / np.diff(group.wide.depth).mean()
     yield gw.Row(f"Depth of separation minus depth of the law, at most, {crystal}", "grains",
                  ours=np.nanmax(away), where=SOURCE, digits=2,

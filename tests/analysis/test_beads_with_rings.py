@@ -8,7 +8,8 @@ import pytest
 import granwave as gw
 from granwave.analysis.figures.peak_force_depth import peak_force_depth
 from granwave.analysis.figures.style import style
-from granwave.analysis.measures.beads import bead_peaks, beads_on_axis, crest_speed
+from granwave.analysis.measures.bead_wave import beads_after_reflection, crest_speed
+from granwave.analysis.measures.beads import bead_peaks, beads_on_axis
 from granwave.analysis.measures.force_decay import ForceDecay, force_decay
 from granwave.analysis.measures.layer_peaks import layer_peaks
 from granwave.analysis.reports.answer import in_words
@@ -23,6 +24,13 @@ SHORT = {
     "load.index": [STRUCK], "run.end_time": 1.1e-3,
 }  # fmt: skip
 NARROW = {"precompression": {"kind": "walls", "tube": 1.425e-5}, "run.end_time": 6e-4}
+
+
+#: A short row, whose wave returns from its end before the run ends.
+REFLECTED = {
+    "packing.size": 30, "grains.1.repeat.times": 29, "hold.1.index": [1, 30],
+    "run.end_time": 8e-4,
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -96,3 +104,21 @@ def test_first_sentences_have_speed_and_decay_of_the_beads(runs):
     assert "It falls exponentially with the depth, by " in words["wide"]
     assert words["narrow"].startswith("The speed of the wave crest along the beads was ")
     assert "The peak force between beads above the static force decreases from " in words["narrow"]
+
+
+def test_forces_of_the_reflection_are_not_in_the_first_sentences(tmp_path):
+    """The force is largest at the end of the row, where the wave is reflected."""
+    run = gw.run("confined-row", REFLECTED, directory=tmp_path, progress=False)
+    with Result(run.directory) as result:
+        forces = bead_peaks(result)
+        is_late = beads_after_reflection(result)
+        speed = crest_speed(result)
+    first = int(np.flatnonzero(is_late)[0])
+    known = forces[forces > 0][: first - np.count_nonzero(forces == 0)]
+    assert is_late[first:].all()
+    assert np.all(np.diff(known) < 0)
+    assert np.nanmax(forces) == forces[-1] > known[0]
+    words = in_words(read_inputs([run.directory], run.directory).runs[0])
+    assert "The peak force between beads decreases from " in words
+    assert f"beyond contact {first}, the largest force came after the reflection" in words
+    assert speed == pytest.approx(run.summary["wave_speed_m_s"], rel=0.03)

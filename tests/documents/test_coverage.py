@@ -9,6 +9,8 @@ import pytest
 from tests.documents.pages import extension
 
 extension("results_picture")
+for name in ("chosen", "stored", "notes", "rows"):
+    extension(f"results_{name}")
 COVERAGE = extension("results_coverage")
 STORED = extension("results_stored").read_stored()
 ITEMS = COVERAGE.read_items()

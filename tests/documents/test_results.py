@@ -12,7 +12,7 @@ import pytest
 import granwave as gw
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.analysis.studies.study import make_studies
+from granwave.analysis.studies.study import Study, make_studies
 from granwave.workflows import load_scan
 from tests.documents.pages import ROOT, extension
 
@@ -26,10 +26,15 @@ QUICK = (("homogeneous-chain", HOMOGENEOUS), ("sensor-chain", SENSOR_CHAIN))
 
 STORE = extension("results_stored")
 CHOSEN = extension("results_chosen")
+NOTES = extension("results_notes")
 ROWS_OF_TABLES = extension("results_rows")
+CONCLUSIONS = extension("results_conclusions")
+SYMBOLS = extension("results_symbols")
+STUDY = extension("results_study")
 PICTURE = extension("results_picture")
 for part in ("quantities", "panels", "axes", "values_picture"):
     extension(f"results_{part}")
+MEASURED = extension("results_measured_picture")
 extension("results_coverage")
 WIDE = extension("results_wide")
 TABLE = extension("results_table")
@@ -107,6 +112,14 @@ def test_the_picture_of_each_suite_is_of_its_stored_rows():
         assert len(PICTURE.points(part)) == sum(one == name for one, *_ in PICTURE.points(STORED))
 
 
+def test_the_figure_of_measurements_is_of_the_stored_rows():
+    """It has the rows of the table, with the errors that the sources state."""
+    assert not MEASURED.is_stale(STORED), AGAIN
+    found = list(MEASURED.ratios(STORED))
+    assert len(found) == len(CHOSEN.MEASURED)
+    assert sum(error > 0 for *_, error in found) == 3
+
+
 def test_remarks_are_notes_below_a_table():
     """Rows that test the code are folded on the site."""
     table = ROWS_OF_TABLES.table_of(ROWS_OF_TABLES.chosen_rows(STORED))
@@ -150,7 +163,7 @@ def test_the_first_pages_have_few_rows():
     everything = (*CHOSEN.CHOSEN, *CHOSEN.MORE)
     for chosen, numbers in (
         (CHOSEN.CHOSEN, {10}),
-        (CHOSEN.MEASURED, {3}),
+        (CHOSEN.MEASURED, {9}),
         (CHOSEN.IN_PAPER, {7}),
         (everything, range(28, 36)),
     ):
@@ -260,10 +273,88 @@ def test_a_digest_of_scripts_sees_what_makes_rows(tmp_path):
     ],
 )
 def test_what_lies_beyond_a_bound_is_flagged(quantity, source, ours, over):
+    """The column of the difference states it on the page of the suite."""
     row = gw.Row(quantity, source=source, ours=ours, bound=True)
     assert ROWS_OF_TABLES.beyond(row) == pytest.approx(over)
-    assert ("Beyond the bound" in ROWS_OF_TABLES.flagged(row).remark) == (over > 0)
+    (table,) = STUDY.tables_of(Study("study", "Study", "", (row,)))
+    heads = [column.heading for column in table.columns]
+    shown = table.rows[0][heads.index("Difference")].text
+    assert shown == (f"beyond by {ROWS_OF_TABLES.excess(over)}" if over else "within")
     assert not ROWS_OF_TABLES.beyond(gw.Row(quantity, source=source, ours=ours))
+
+
+def test_bounds_that_do_not_hold_are_counted():
+    """The sentence of counts, the pages of suites and the list of the first page agree."""
+    bounds = [row for *_, row in ROWS if row.bound]
+    holding = sum(map(ROWS_OF_TABLES.holds, bounds))
+    assert f"Of {len(bounds)} bounds, {holding} hold." in TABLE.counts_in_words(STORED)
+    pages = TABLE.pages_of(STORED)
+    first = pages.pop(TABLE.PAGE)
+    _, _, listed = first.partition("## Values outside a bound")
+    listed = listed.partition("\n## ")[0].count("\n| [")
+    marked = sum(text.count("| beyond by ") for text in pages.values())
+    assert listed == marked == len(bounds) - holding
+
+
+def test_every_page_begins_with_its_conclusion():
+    """Its numbers are from the stored rows, and its fields name rows that exist."""
+    texts = CONCLUSIONS.read_conclusions()
+    assert set(texts) == set(STORED["suites"])
+    for name, page in STORED["suites"].items():
+        text = CONCLUSIONS.conclusion_of(name, page)
+        assert not CONCLUSIONS._FIELD.search(text) and text.count(".") > 1, name
+    fields = {"study": {"title": "Study", "rows": [ROWS[0][2] | {"quantity": "Speed, a = 1"}]}}
+    with pytest.raises(ValueError, match="no row 'Force'"):
+        CONCLUSIONS._first({"studies": fields}, "study", "Force")
+
+
+def test_shared_sentences_of_remarks_are_one_note():
+    remarks = ["The fit has few points. It is uncertain. At 2 N.", "At 3 N.", "At 2 N.", ""]
+    above, notes = NOTES.notes_of(remarks)
+    assert not above
+    assert notes == [
+        ["The fit has few points. It is uncertain.", "At 2 N."],
+        ["At 3 N."],
+        ["At 2 N."],
+        [],
+    ]
+    forces = ["The force is 3 N.", "The force is 1.5 N.", "", "The force is 2 N."]
+    text = "The force is 3, 1.5, 2 N (in the order of the rows with this note)."
+    assert NOTES.notes_of(forces)[1] == [[text], [text], [], [text]]
+    assert NOTES.notes_of([*forces[:2], "From 1 to 2 N."])[1] == [
+        ["The force is 3 N."],
+        ["The force is 1.5 N."],
+        ["From 1 to 2 N."],
+    ]
+    above, notes = NOTES.notes_of(["See Fig. 2. One.", "See Fig. 2. Two."])
+    assert above == "See Fig. 2." and notes == [["One."], ["Two."]]
+
+
+@pytest.mark.parametrize(
+    ("ours", "digits", "shown"),
+    [(-1.0069, 2, "-1.007"), (-1.0558, 2, "-1.06"), (2.0379, 2, "2"), (1.0000001, 3, "1")],
+)
+def test_digits_show_the_difference(ours, digits, shown):
+    row = gw.Row(
+        "Exponent", source=round(ours) * (0.8 if ours > 2 else 1), ours=ours, digits=digits
+    )
+    assert ROWS_OF_TABLES.ours_text(row) == shown
+
+
+def test_an_error_of_the_source_is_next_to_its_value():
+    row = gw.Row("Ratio", source=3.3922, ours=2.769, remark="The measured ratio is 3.39 ± 0.40.")
+    assert ROWS_OF_TABLES.reference_text(row) == "3.39 ± 0.40"
+    assert ROWS_OF_TABLES.difference(row) == "-18.4 % (1.6 times the error)"
+
+
+def test_symbols_and_numbers_are_readable():
+    assert SYMBOLS.readable_numbers("at 3e+03 to 1e+06 Pa, 1.7e+04 kg/m³, 3.79e+03") == (
+        "at 3 kPa to 1 MPa, 17\N{NO-BREAK SPACE}000 kg/m³, 3790"
+    )
+    text = SYMBOLS.with_formulas(
+        "| F\\_y alpha\\_y and E\\*R\\*^2 tau, `F_y`, F\\_yield |\n## F\\_y"
+    )
+    assert text == "| $F_y \\alpha_y$ and $E^* R^{*2} \\tau$, `F_y`, F\\_yield |\n## F\\_y"
 
 
 def test_every_study_of_a_source_has_its_rows_stored():

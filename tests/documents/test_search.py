@@ -4,6 +4,8 @@ index, and its words.
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from tests.documents.pages import ROOT, extension
@@ -44,17 +46,17 @@ def found(query: str) -> list[str]:
             ["armour#index-0 100", "chain 5"],
         ),  # an entry of the index before words of texts
         ("the plates", ["armour 5"]),  # a stem, and a word that is not looked for
-        ("dents", ["dents 16"]),  # a title, once
+        ("dents", ["dents 16.9"]),  # a title, once
         (
             "chain",
-            ["python#gw.chain 16", "chain 15", "dents 15", "python 5"],
+            ["python#gw.chain 16", "chain 15.9", "dents 15", "python 5"],
         ),  # an object, titles, a text
         ("beads", ["chain 5", "dents 5"]),
         (
             "bead",
             ["chain 5", "dents 5", "dents#index-1 100"],
         ),  # an entry that is not the main one comes last
-        ("targ", ["armour 7"]),  # a part of a word of a title
+        ("targ", ["armour 7.9"]),  # a part of a word of a title
         ("measures", ["python#module-gw.measures 26"]),
         ("plate bead", []),  # all words are asked for
         ("nothing", []),
@@ -62,6 +64,38 @@ def found(query: str) -> list[str]:
 )
 def test_ranking(query, results):
     assert found(query) == results
+
+
+def test_words_in_the_title_order_equal_results():
+    """Only words of the query that begin words of the title count; a plural matches too."""
+    index = INDEX | {
+        "docnames": ["a", "b", "c"],
+        "titles": ["Absorb", "Chains of forces", "Force chains, fronts"],
+        "alltitles": {},
+        "indexentries": {},
+        "objects": {},
+        "terms": {"force": [0, 1, 2], "chain": [0, 1, 2]},
+        "titleterms": {},
+    }
+    results = SEARCH.search(index, "force chains", lambda word: word.removesuffix("s"), set())
+    assert [(one.page, one.score) for one in results] == [("b", 5.9), ("c", 5.9), ("a", 5)]
+    assert SEARCH.part_in_title("Force chains", "chains of sand") == pytest.approx(1 / 3)
+    assert SEARCH.part_in_title("Mass", "as") == 0
+    assert SEARCH.part_in_title("Mass", "") == 0
+
+
+def test_pages_of_frequent_words_are_expected_among_two_results():
+    heads = SEARCH.HEADS
+    assert SEARCH.FIRST_OF_HEADS == 2
+    assert {
+        "changelog", "what changed", "new in 1.0", "force chains", "fit material", "absorb waves",
+        "contacts csv", "Thornton", "killed run", "group velocity",
+    } <= set(heads)  # fmt: skip
+    for word, page in heads.items():
+        text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+        lines = re.findall(r"^```\{index\} (.*)$", text, re.MULTILINE)
+        entries = [entry.strip(" !") for entry in ",".join(lines).split(",")]
+        assert word in entries, f"{page} has no entry of the index for {word}"
 
 
 def test_words_have_pages():
@@ -74,10 +108,12 @@ def test_words_have_pages():
 
 def test_what_is_missed_is_named(monkeypatch):
     monkeypatch.setattr(SEARCH, "WORDS", {"armour": ("drop test",), "dents": ("plate",)})
+    monkeypatch.setattr(SEARCH, "HEADS", {"plates": "dents"})
     monkeypatch.setattr(SEARCH, "PASSAGES", {"drop test": "armour#index-0", "plate": "dents#row"})
-    passage, line = SEARCH.missed(INDEX, str, frozenset())
+    passage, line, head = SEARCH.missed(INDEX, str, frozenset())
     assert passage == "plate: expected dents#row first, found armour"
     assert line == "plate: expected dents among the first 3 results, found armour"
+    assert head == "plates: expected dents among the first 2 results, found nothing"
 
 
 def test_the_room_of_a_page_orders_equal_results():
@@ -99,5 +135,5 @@ def test_the_room_of_a_page_orders_equal_results():
 def test_the_scorer_of_the_browser_has_the_weights_of_the_check():
     """`docs/_ext/scorer.js` replaces Sphinx's weights, and must have all of them."""
     for name in ("objNameMatch: 11", "objPartialMatch: 6", "title: 15", "partialTitle: 7",
-                 "term: 5", "partialTerm: 2", "objPrio: { 0: 15, 1: 5, 2: -5 }"):  # fmt: skip
+                 "term: 5", "partialTerm: 2", "titleWords: 0.9", "objPrio: { 0: 15, 1: 5, 2: -5 }"):  # fmt: skip
         assert f"  {name}" in SEARCH.SCORER, name

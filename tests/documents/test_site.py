@@ -159,8 +159,35 @@ def test_pictures_are_links_and_names_break_at_separators():
     assert elements.with_linked_pictures(linked) == linked
     other_site = '<img src="https://a/b.png">'
     assert elements.with_linked_pictures(other_site) == other_site
+    wide = linked.replace('"picture"', '"picture wide" style="--readable: 660px"')
+    assert elements.with_linked_pictures(picture, {"../_images/a.webp": 1200}.get) == wide
+    assert [elements.readable_width(width) for width in (0, 450, 500, 1000, 1520)] == [
+        0, 0, 500, 600, 836,
+    ]  # fmt: skip
     code = '<code><span class="pre">area_slope</span></code> area_slope'
     assert elements.with_breaks(code) == code.replace("area_slope", "area_<wbr>slope", 1)
+
+
+def test_equations_have_the_font_of_the_site_first(tmp_path):
+    """The build copies the font next to its licence; the style sheet names it before all others."""
+    pytest.importorskip("ziamath", reason="make docs installs it")
+    font = extension("math_font")
+    (tmp_path / "_static").mkdir()
+    builder = SimpleNamespace(format="html")
+    font.copy_font(SimpleNamespace(builder=builder, outdir=tmp_path), None)
+    assert (tmp_path / "_static" / font.FONT).stat().st_size > 1e6
+    static = ROOT / "docs" / "_static"
+    styles = (static / "granwave.css").read_text(encoding="utf-8")
+    name = re.search(r'font-family: ("[^"]+");\s*src: url\("' + font.FONT, styles)[1]
+    assert f"math {{ font-family: {name}," in styles
+    assert "SIL Open Font License" in (static / "STIXTwoMath-OFL.txt").read_text(encoding="utf-8")
+
+
+def test_pages_of_notebooks_link_to_the_notebook():
+    pytest.importorskip("sphinx", reason="make docs installs it")
+    body = extension("notebook_links").with_link("<h1>A</h1><h1>B</h1>", "a.ipynb")
+    assert body.count('href="../_downloads/a.ipynb"') == 1
+    assert body.startswith("<h1>A</h1>\n<p>Download ")
 
 
 def formulas(text: str) -> list[str]:
@@ -187,6 +214,12 @@ def test_formulas_of_pages_become_mathml_without_rests_of_tex():
     for name, page_formulas in read.items():
         for formula in page_formulas:
             assert mathml_of(formula, "block").startswith("<math"), name
+
+
+def test_bars_of_a_magnitude_are_fences():
+    pytest.importorskip("latex2mathml", reason="make docs installs it")
+    mathml = extension("mathml").mathml_of(r"a - \lvert x\rvert", "inline")
+    assert re.findall(r'form="(\w+)">&#x0007C;', mathml) == ["prefix", "postfix"]
 
 
 @pytest.mark.parametrize("formula, rest", [

@@ -1,18 +1,20 @@
-"""Compatibility: results of 0.1, 0.2 and 0.3 are read, names of 0.3 exist, results of later formats
-are rejected.
+"""Compatibility: results of 0.1 to 1.0 are read, names of 1.0 exist, results of later formats are
+rejected.
 
 The archives contain small runs of these versions: fcc spheres, a chain, a scan of two points;
-without dumps, decks and figures. `promised.json` has the names of 0.3: commands and options, keys,
-values of summary.json, data sets, columns, styles.
+without dumps, decks and figures. The archive of 1.0 also has the dumps of the fcc spheres, and a
+run of two spheres that was killed after a checkpoint. `promised.json` has the names of 1.0:
+commands, options and their values, keys, values of summary.json, data sets, columns, names of
+Python with their arguments, styles.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
 import json
 import shutil
 import tarfile
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -20,28 +22,38 @@ import pytest
 
 import granwave as gw
 from granwave.analysis import Result
+from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import FORMAT, MARKER
-from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.main import main
-from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.run.directory import RunDirectory
+from tests.earlier import promised
 
 pytestmark = pytest.mark.xdist_group("earlier")  # its fixtures are made once
 
 HERE = Path(__file__).parent
-VERSIONS = ("0.1.0", "0.2.0", "0.3.0")
-PROMISED = json.loads((HERE / "promised.json").read_text(encoding="utf-8"))
+WITH_DUMPS = "1.0.0"
+VERSIONS = ("0.1.0", "0.2.0", "0.3.0", WITH_DUMPS)
+PROMISED = json.loads(promised.FILE.read_text(encoding="utf-8"))
 KNOWN = {"run": "fcc", "chain": "chain"}
-SMALL = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=1.5e-5", "--set", "run.frames=2"]
 
 
 @pytest.fixture(params=VERSIONS)
 def earlier(request, tmp_path) -> Path:
     """Results of an earlier version."""
-    with tarfile.open(HERE / f"granwave-{request.param}.tar.xz") as archive:
-        archive.extractall(tmp_path, filter="data")
-    return tmp_path
+    return unpacked(request.param, tmp_path)
+
+
+@pytest.fixture
+def with_dumps(tmp_path) -> Path:
+    """Results of the version whose archive has dumps and a checkpoint."""
+    return unpacked(WITH_DUMPS, tmp_path)
+
+
+def unpacked(version: str, place: Path) -> Path:
+    with tarfile.open(HERE / f"granwave-{version}.tar.xz") as archive:
+        archive.extractall(place, filter="data")
+    return place
 
 
 def test_runs_are_loaded(earlier):
@@ -102,27 +114,74 @@ def test_they_are_kept_and_replaced_as_results_are(earlier, capsys):
     assert now["peak_force_N"] == pytest.approx(json.loads(before)["peak_force_N"], rel=1e-3)
 
 
-def test_commands_and_options_of_0_3():
-    (verbs,) = (
-        one for one in make_parser()._actions if isinstance(one, argparse._SubParsersAction)
+def test_input_scripts_are_read(earlier):
+    for name in KNOWN:
+        deck = read_deck(earlier / name)
+        assert deck.schedule.n_steps > 0 and len(deck.struck) == 1
+
+
+def test_dumps_are_analysed(with_dumps):
+    """The values are those of the version that wrote the dumps, but for new definitions."""
+    before = json.loads((with_dumps / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert main(["analyse", str(with_dumps / "run"), "--no-figures"]) == 0
+    now = json.loads((with_dumps / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert before.keys() <= now.keys()
+    redefined = {"base_arrival_s", "ground_peak_reduction", "versions"}
+    for name in before.keys() - redefined:
+        same = (
+            pytest.approx(before[name], rel=1e-9) if type(before[name]) is float else before[name]
+        )
+        assert now[name] == same, name
+    assert now["base_arrival_s"] is now["ground_peak_reduction"] is None  # the force still rises
+
+
+def test_an_interrupted_run_restarts_from_the_beginning(with_dumps, caplog):
+    place = with_dumps / "interrupted"
+    case = tomllib.loads((place / "case.toml").read_text(encoding="utf-8"))
+    assert case["run"]["end_time"] == 0.03
+    assert (
+        main(["run", str(place / "case.toml"), "-o", str(place), "--resume", "--no-figures"]) == 0
     )
-    for name, promised in PROMISED["commands"].items():
-        actions = verbs.choices[name]._actions
-        found = {
-            word
-            for one in actions
-            for word in (one.option_strings or [str(one.metavar or one.dest)])
-        }
-        assert set(promised) <= found, name
+    assert f"its checkpoint was written by granwave 1.0.0, expected {gw.__version__}" in caplog.text
+    assert "the run restarts from the beginning" in caplog.text
+    record = json.loads((place / "run.json").read_text(encoding="utf-8"))
+    assert record["versions"]["granwave"] == gw.__version__ and record["state"] == "finished"
 
 
-def test_keys_and_names_of_0_3():
-    keys = {f"{table.file}:{table.name}.{key.name}" for table in tables() for key in table.keys}
-    assert set(PROMISED["keys"]) <= keys
+def test_restart_files_of_1_0_are_rejected_with_both_formats(with_dumps, lammps):
+    (file,) = (with_dumps / "interrupted").glob("*.restart")
+    engine = lammps()
+    with pytest.raises(
+        Exception, match=r"contains format 10 .* 12 to 13.*Start the simulation again"
+    ):
+        engine.command(f"read_restart {file}")
+
+
+def test_commands_and_options_of_1_0():
+    present = promised.actions()
+    for name, words in PROMISED["commands"].items():
+        assert set(words) <= present[name].keys(), name
+
+
+def test_values_of_options_of_1_0():
+    present = promised.choices()
+    for option, values in PROMISED["choices"].items():
+        assert set(values) <= set(present[option]), option
+
+
+def test_keys_and_names_of_1_0():
+    assert set(PROMISED["keys"]) <= set(promised.keys())
     assert set(PROMISED["python"]) <= set(gw.__all__)
 
 
-def test_styles_of_0_3(lammps):
+def test_functions_and_members_of_1_0_in_python():
+    """Each function has its arguments, in their order."""
+    present = promised.arguments()
+    for name, parameters in PROMISED["arguments"].items():
+        assert [one for one in present[name] if one in parameters] == parameters, name
+
+
+def test_styles_of_1_0(lammps):
     engine = lammps()
     for kind, names in PROMISED["styles"].items():
         assert all(engine.has_style(kind, name) for name in names), kind
@@ -132,17 +191,7 @@ def test_styles_of_0_3(lammps):
 def now(tmp_path_factory) -> Path:
     """A present run and scan like those in the archives."""
     place = tmp_path_factory.mktemp("now")
-    assert main(["run", "fcc-small", "-o", str(place / "run"), *SMALL, "--no-figures"]) == 0
-    chain = [
-        "--set",
-        "packing.size=6",
-        "--set",
-        "run.end_time=2e-5",
-        "--set",
-        "run.frames=2",
-        "--no-figures",
-    ]
-    assert main(["run", "homogeneous-chain", "-o", str(place / "chain"), *chain]) == 0
+    promised.make_runs(place)
     (place / "pair.toml").write_text(
         'case = "two-spheres"\nset = {run.end_time = 4e-5}\ngrid = {load.velocity = [0.1]}\n'
     )
@@ -152,17 +201,10 @@ def now(tmp_path_factory) -> Path:
     return place
 
 
-def test_values_data_sets_and_columns_of_0_3(now):
-    assert set(PROMISED["summary"]) <= set(
-        json.loads((now / "run" / "summary.json").read_text(encoding="utf-8"))
-    )
-    found: dict[str, str] = {}
-    for name in KNOWN:
-        with h5py.File(now / name / "result.h5") as file:
-            file.visititems(lambda name, one: found.update({name: str(one.attrs.get("unit", ""))}))
-    assert PROMISED["result"].items() <= found.items()  # with their units
-    with (now / "suite" / "pair" / "scan.csv").open(encoding="utf-8", newline="") as stream:
-        assert set(PROMISED["scan_csv"]) <= set(next(csv.reader(stream)))
+def test_values_data_sets_and_columns_of_1_0(now):
+    assert set(PROMISED["summary"]) <= set(promised.summary_values(now))
+    assert PROMISED["result"].items() <= promised.data_sets(now).items()  # with their units
+    assert set(PROMISED["scan_csv"]) <= set(promised.columns(now / "suite" / "pair"))
 
 
 def test_every_file_tells_its_version(now):
@@ -222,6 +264,11 @@ def test_a_checkpoint_of_another_minor_version_is_not_used(tmp_path, version, na
     )
 
 
-def test_a_deprecated_name_warns():
-    with pytest.warns(DeprecationWarning, match="is now called errors"):
-        assert InputError("wrong").faults == ["wrong"]
+def test_a_removed_name_is_rejected_with_the_new_one():
+    error = InputError("wrong")
+    with pytest.raises(AttributeError, match="is now called errors"):
+        _ = error.faults
+    assert error.errors == ["wrong"]
+    assert not hasattr(error, "faults")
+    with pytest.raises(AttributeError, match="'InputError' object has no attribute 'fault'"):
+        _ = error.fault

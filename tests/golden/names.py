@@ -44,6 +44,12 @@ HEADING = """\
 
 """
 HELP = ("-h", "--help")  # of every command
+COMPARISON_MEMBERS = (
+    "table", "values", "differences", "misfits",
+    "sentence", "protection", "notes",
+    "figures", "figure", "data", "caption",
+    "truncated",
+)  # fmt: skip
 MODULES = {"granwave": granwave, "granwave.measures": measures, "granwave.theory": theory}
 
 
@@ -122,10 +128,13 @@ def names_of(module: ModuleType) -> Iterable[str]:
 def members(cls: type) -> set[str]:
     """Public attributes and methods of a class that the package defines, fields included.
 
-    Of a case only its tables and the methods that write it; its other attributes are internal.
+    Of a case only its tables and the methods that write it, and of a comparison only the members
+    that the page "Compatibility" names; their other attributes are internal.
     """
     if cls is granwave.Case:
         return {*tables_of_a_case(), "name", "to_dict", "to_toml"}
+    if cls is granwave.Comparison:
+        return set(COMPARISON_MEMBERS)
     own = [base for base in cls.__mro__ if base.__module__.startswith("granwave")]
     words: set[str] = set()
     for base in own:

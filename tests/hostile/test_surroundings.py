@@ -59,6 +59,7 @@ import json, sys
 sys.stdout = sys.stderr = None
 import granwave as gw
 keys = {"packing.size": [4, 4, 3], "run.end_time": 2e-5, "run.frames": 5}
+keys["figures.only"] = ["energies", "peak_force_principal"]
 run = gw.run("fcc-small", keys, directory="run", figures=True)
 ranks = gw.run("fcc-small", keys, directory="ranks", ranks=2)
 from granwave.workflows.cli.main import main

@@ -59,7 +59,7 @@ lammps_inputs/tables
 lammps_inputs/result_directory
 lammps_inputs/own_files
 lammps_inputs/directories lammps_inputs/marker lammps_inputs/restart_file
-lammps_inputs/result_kinds
+lammps_inputs/result_kinds lammps_inputs/rounding
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/packing_kind lammps_inputs/extensions
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams

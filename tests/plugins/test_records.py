@@ -1,4 +1,4 @@
-"""Records of contacts in restart files, those of format 12 (1.0) too, the reader of these files in
+"""Records of contacts in restart files, those of format 12 too, the reader of these files in
 Python, and files of dents of any size.
 """
 

@@ -21,7 +21,10 @@ from tests.helpers.programs.scripts import FOLDER, row, study_of
 from tests.helpers.twins import chain_twin as twin_of
 from tests.helpers.twins.chain_twin import Bead, Record, Solid
 
-pytestmark = pytest.mark.xdist_group("composite chains")  # its fixtures are made once
+pytestmark = [
+    pytest.mark.xdist_group("composite chains"),
+    pytest.mark.validation,
+]  # its fixtures are made once
 
 STEEL = {"modulus": 209e9, "ratio": 0.28, "density": 7925.0}
 STEEL_BEAD = Bead(radius=5e-3, strength=None, **STEEL)

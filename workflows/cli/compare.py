@@ -46,7 +46,12 @@ def _values(comparison: Comparison) -> str:
     """Return the table of the values that differ most."""
     from granwave.analysis.reports.comparison.values import shown_values
 
-    values = shown_values(comparison.values, _MOST_VALUES, asked=bool(comparison.quantities))
+    values = shown_values(
+        comparison.values,
+        _MOST_VALUES,
+        asked=bool(comparison.quantities),
+        stated=comparison.stated_names,
+    )
     if not values:
         return ""
     names = [_cut(run.name) for run in comparison.runs]
@@ -65,6 +70,7 @@ def _values(comparison: Comparison) -> str:
 def _number(value: ComparedValue, place: int) -> str:
     """Return a value of the run at a position, with a mark if the end of the run truncates it."""
     from granwave.analysis.formatting.numbers import interval
+    from granwave.analysis.measures.law_range import BEYOND_LAW
     from granwave.analysis.reports.comparison.compared_value import MARK
 
     number = value.values[place]
@@ -72,7 +78,8 @@ def _number(value: ComparedValue, place: int) -> str:
         return ""
     if error := value.error_at(place):
         return interval(number, error)
-    return f"{number:.5g}{MARK if place in value.marked_places else ''}"
+    beyond = f" {BEYOND_LAW}" if place in value.beyond_law else ""
+    return f"{number:.5g}{MARK if place in value.marked_places else ''}{beyond}"
 
 
 def _ratio(value: ComparedValue) -> str:

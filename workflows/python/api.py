@@ -165,7 +165,7 @@ def run(
     ranks
         Number of MPI ranks. Several ranks are started by mpiexec, as by ``granwave run --np``.
     figures
-        Draw all figures into the directory. `Run.figure` draws one at any time.
+        Draw the default figures into the directory. `Run.figure` draws one at any time.
     force
         Move existing results into NAME.old.
     resume

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Sequence
 from functools import partial
 
@@ -25,7 +26,12 @@ from granwave.analysis.document.model import (
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import interval, quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
-from granwave.analysis.reports.comparison.compared_value import ComparedValue, factor, marked
+from granwave.analysis.reports.comparison.compared_value import (
+    ComparedValue,
+    factor,
+    marked,
+    marked_beyond_law,
+)
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.deviations import (
     NEGLIGIBLE,
@@ -44,6 +50,8 @@ from granwave.analysis.reports.comparison.subjects import (
 from granwave.analysis.reports.comparison.values import shown_values
 from granwave.analysis.reports.figures import picture_of
 
+_BETWEEN_SENTENCES = r"(?<=\.) (?=[A-Z])"
+_TWO_LINES = 240  # characters on two lines of a note
 _MOST_VALUES = 10  # rows of the table of values
 _MOST_OPEN = 12  # rows of a table of keys that is not folded
 _OF_VALUES = "Largest differences of results"
@@ -78,7 +86,7 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
     paragraphs = comparison.paragraphs
     leads = comparison.measured_sentences or comparison.protection or paragraphs
     blocks: list[Block] = [Note(text, "lead" if text in leads else "") for text in paragraphs]
-    blocks += [Note(text, "note") for text in comparison.grouped_notes]
+    blocks += _note_blocks(comparison)
     blocks += misfit_tables(comparison)
     if comparison.values:
         blocks.append(value_table(comparison))
@@ -90,9 +98,42 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
     return blocks
 
 
+def _note_blocks(comparison: Comparison) -> list[Block]:
+    """Return the notes: of each subject at most two lines, and further sentences folded."""
+    blocks: list[Block] = []
+    for title, notes in comparison.notes_by_subject.items():
+        if not title:
+            blocks += [Note(text, "note") for text in notes]
+            continue
+        sentences = [text for note in notes for text in re.split(_BETWEEN_SENTENCES, note)]
+        n_shown = _n_on_two_lines(sentences)
+        if shown := " ".join(sentences[:n_shown]):
+            blocks.append(Note(shown, "note"))
+        if rest := tuple(Note(text) for text in sentences[n_shown:]):
+            blocks.append(Group(f"{title}: {len(rest)} more", rest, folded=True))
+    return blocks
+
+
+def _n_on_two_lines(sentences: Sequence[str]) -> int:
+    """Return the number of sentences that fit on two lines, at least one."""
+    n_fitting = 0
+    length = 0
+    for sentence in sentences:
+        length += len(sentence) + 1
+        if n_fitting and length > _TWO_LINES:
+            break
+        n_fitting += 1
+    return n_fitting
+
+
 def value_table(comparison: Comparison) -> DocumentTable:
     """Return the table of values; for many runs the smallest and the largest of each value."""
-    values = shown_values(comparison.values, _MOST_VALUES, asked=bool(comparison.quantities))
+    values = shown_values(
+        comparison.values,
+        _MOST_VALUES,
+        asked=bool(comparison.quantities),
+        stated=comparison.stated_names,
+    )
     if len(comparison.runs) > MOST_SIDE_BY_SIDE:
         return _ranges(comparison.runs, values)
     heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]
@@ -116,13 +157,16 @@ def _units(values: Sequence[ComparedValue]) -> dict[str, tuple[str, float]]:
 
 def _value_row(value: ComparedValue, unit: str, size: float) -> tuple[Cell, ...]:
     """Return label, unit, values and ratio, in a unit of a size."""
-    cells = [
-        marked(_value_cell(value, place, size), is_marked=place in value.marked_places)
-        for place in range(len(value.values))
-    ]
+    cells = [_marked_cell(value, place, size) for place in range(len(value.values))]
     if len(cells) > 1:
         cells.append(_ratio(value))
     return (Cell(value.label, value.label), Cell(unit), *cells)
+
+
+def _marked_cell(value: ComparedValue, place: int, size: float) -> Cell:
+    """Return the cell of a value of a run with its marks."""
+    cell = marked(_value_cell(value, place, size), is_marked=place in value.marked_places)
+    return marked_beyond_law(cell, is_beyond=place in value.beyond_law)
 
 
 def _value_cell(value: ComparedValue, place: int, size: float) -> Cell:
@@ -152,8 +196,8 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
         least = min(named)
         most = max(named)
         unit, size = units[value.name]
-        smallest = cell_in_unit(least[0], size)
-        largest = cell_in_unit(most[0], size)
+        smallest = _end_cell(value, least[0], size)
+        largest = _end_cell(value, most[0], size)
         ends = (smallest, Cell(least[1]), largest, Cell(most[1]))
         rows.append((Cell(value.label, value.label), Cell(unit), *ends, _ratio(value)))
     columns = (
@@ -166,6 +210,12 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
         TableColumn("Ratio", numeric=True),
     )
     return DocumentTable(_OF_VALUES, columns, tuple(rows), by_row=True)
+
+
+def _end_cell(value: ComparedValue, number: float, size: float) -> Cell:
+    """Return the cell of the smallest or the largest value."""
+    is_beyond = value.values.index(number) in value.beyond_law
+    return marked_beyond_law(cell_in_unit(number, size), is_beyond=is_beyond)
 
 
 def _ratio(value: ComparedValue) -> Cell:

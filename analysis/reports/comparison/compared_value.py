@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from granwave.analysis.document.model import Cell
 from granwave.analysis.formatting.numbers import interval_in_any_unit, number, quantity_in
+from granwave.analysis.measures.law_range import BEYOND_LAW, BEYOND_LAW_MEANING
 from granwave.analysis.measures.zone_resolution import percent_with_error
 from granwave.analysis.reports.comparison.ends import AT_THE_END
 from granwave.analysis.reports.sentences import share
@@ -62,6 +63,8 @@ class ComparedValue:
         so that it has no ratio.
     errors
         Large uncertainties, by run; None where there is none: (n_runs,), or empty.
+    beyond_law
+        Positions of the runs of which contacts beyond the range of the law determine the value.
     """
 
     name: str
@@ -76,6 +79,7 @@ class ComparedValue:
     incomplete: frozenset[int] = frozenset()
     is_unresolved: bool = False
     errors: tuple[float | None, ...] = ()
+    beyond_law: frozenset[int] = frozenset()
 
     @property
     def places_left_out(self) -> frozenset[int]:
@@ -243,6 +247,13 @@ def marked(cell: Cell, *, is_marked: bool) -> Cell:
     if not is_marked or cell.value is None:
         return cell
     return replace(cell, text=f"{cell.text}{MARK}", meaning=f"{PARTIAL}.")
+
+
+def marked_beyond_law(cell: Cell, *, is_beyond: bool) -> Cell:
+    """Return the cell of a value, with the mark of contacts beyond the range of the law."""
+    if not is_beyond or cell.value is None:
+        return cell
+    return replace(cell, text=f"{cell.text} {BEYOND_LAW}", meaning=f"{BEYOND_LAW_MEANING}.")
 
 
 def factor(ratio: float) -> str:

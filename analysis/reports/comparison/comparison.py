@@ -16,7 +16,12 @@ from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
 from granwave.analysis.reports.comparison.compared_value import DIFFERENT_MEANING, ComparedValue
 from granwave.analysis.reports.comparison.curves import SampledCurve
-from granwave.analysis.reports.comparison.definitions import definition_notes, limit_notes
+from granwave.analysis.reports.comparison.definitions import (
+    WITH_WALLS,
+    definition_notes,
+    has_walls_in_some,
+    limit_notes,
+)
 from granwave.analysis.reports.comparison.deviations import (
     Deviation,
     deviation,
@@ -48,7 +53,9 @@ from granwave.analysis.reports.comparison.subjects import (
     names_with_cases,
 )
 from granwave.analysis.reports.comparison.value_words import (
+    beyond_law_note,
     equal_in_figures,
+    named_values,
     partial_note,
     sentence,
     truncation_note,
@@ -67,6 +74,8 @@ if TYPE_CHECKING:
 
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
+DEFINITIONS = "Definitions and settings that differ"  # titles of notes
+LIMITS = "Limits of the compared values"
 LEAST_RUNS = 2  # of a comparison without a measured curve
 _LEAST_KINDS = 2
 
@@ -119,7 +128,10 @@ class Comparison:
         """
         values = self._results_and_details
         words = {value.name: value.without_ratio for value in values if value.without_ratio}
-        return words | dict.fromkeys(unlike_names(self.runs), DIFFERENT_MEANING)
+        unlike = unlike_names(self.runs)
+        if has_walls_in_some(self.runs):
+            unlike.add(WITH_WALLS)
+        return words | dict.fromkeys(unlike, DIFFERENT_MEANING)
 
     @cached_property
     def truncated(self) -> dict[str, tuple[ComparedRun, ...]]:
@@ -188,14 +200,23 @@ class Comparison:
         """Sentences in their order on a page: on a measured curve, the protection, and the other
         values that differ most.
         """
-        rankings = self._rankings
-        stated = tuple(chain.from_iterable(ranking.names for ranking in rankings))
-        differences = self._differences_in_words(stated)
-        sentences = [ranking.sentence for ranking in rankings]
+        differences = self._differences_in_words(self._ranked_names)
+        sentences = self.protection
         scatter = scatter_sentence(self._finished) if differences or sentences else ""
         inputs = self._inputs_of_kinds if differences or sentences else ""
         paragraphs = [*self.measured_sentences, inputs, *sentences, differences, scatter]
         return [text for text in paragraphs if text]
+
+    @property
+    def _ranked_names(self) -> tuple[str, ...]:
+        """Names of the values that the sentences on the protection state."""
+        return tuple(chain.from_iterable(ranking.names for ranking in self._rankings))
+
+    @property
+    def stated_names(self) -> frozenset[str]:
+        """Names of the values that sentences state, which tables have first."""
+        names = self._ranked_names
+        return frozenset([*names, *named_values(self._finished_values, names)])
 
     @property
     def _inputs_of_kinds(self) -> str:
@@ -486,6 +507,14 @@ class Comparison:
         joined = [" ".join(notes) for notes in (definitions, limits) if notes]
         return [*first, *joined, *last]
 
+    @property
+    def notes_by_subject(self) -> dict[str, list[str]]:
+        """The notes by title: first and last notes without one, differences between definitions,
+        and limits by the end of a run or a boundary.
+        """
+        first, definitions, limits, last = self._note_groups
+        return {"": [*first, *last], DEFINITIONS: definitions, LIMITS: limits}
+
     @cached_property
     def _note_groups(self) -> tuple[list[str], list[str], list[str], list[str]]:
         """Notes on missing runs, on definitions, on limits, and on other subjects."""
@@ -498,6 +527,8 @@ class Comparison:
         limits = self._unlike_ends()
         if partial := partial_note(self.values, [run.name for run in self.runs]):
             limits.append(partial)
+        if beyond := beyond_law_note(self.runs):
+            limits.append(beyond)
         if len(self.runs) >= LEAST_RUNS:
             definitions = definition_notes(self.runs, self._names_compared)
             limits += limit_notes(self.runs, self._names_compared)

@@ -28,6 +28,9 @@ FORMS = ("kinetic", "elastic", "dissipated")  # forms of energy, in the order of
 _LEAST_LAYERS = 2  # fewest layers of a curve
 _LEAST_YIELDED = 3  # fewest yielded spheres of a zone that grows
 _NO_FORCE = "the force on its bottom is not recorded"
+_NO_BOTTOM = "it has no bottom"
+_BOTTOM = "boundary.bottom"
+_FREE = "free"
 _STATIC_LOAD = "precompression"  # beginning of the keys of a static load
 
 
@@ -119,7 +122,8 @@ def force_at_bottom(run: ComparedRun) -> SampledCurve:
     with run.opened() as result:
         record = reached(result)
         if record is None:
-            raise LackingError(_NO_FORCE)
+            is_free = run.run.case.get(_BOTTOM) == _FREE
+            raise LackingError(_NO_BOTTOM if is_free else _NO_FORCE)
         return SampledCurve(record.time, record.force)
 
 

@@ -20,6 +20,7 @@ from granwave.analysis.reports.comparison.curves import (
 )
 from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input, inputs_in_words
+from granwave.analysis.reports.comparison.redefined import redefinition_notes
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 from granwave.analysis.reports.kinds import ReportRun
 
@@ -34,6 +35,10 @@ _LAW = "contact.law"
 _BILINEAR = "bilinear"
 _FORCE = "wall_peak_force_N"
 _PEAK_FORCE = "peak_force_N"
+WITH_WALLS = "peak_force_with_walls_N"
+_N_WALL_CONTACTS = "n_wall_contacts"
+_BOTTOM = "boundary.bottom"
+_FREE = "free"
 _HEIGHT = "packing_height_m"
 _SAME_HEIGHT = 1.01  # largest over smallest height of packings that are equally high
 _DEPTH = "zone_depth_90_m"
@@ -65,9 +70,11 @@ def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -
     names
         Values that are compared, which limit the subjects of the sentences; empty for all.
     """
-    notes = [_inputs(runs), _static_forces(runs)]
+    notes = [_inputs(runs), _static_forces(runs), *redefinition_notes(runs, names)]
     if _concerns(names, (_PEAK_FORCE,)):
         notes += [_FORCES_OF_KINDS] if _differ_in_kind(runs, _PEAK_FORCE) else []
+    if _concerns(names, (WITH_WALLS,)):
+        notes.append(_walls_in_some(runs))
     if _concerns(names, _OF_BOTTOM):
         notes += [_heights(runs), " ".join(_without_force(runs))]
     if _concerns(names, _OF_ZONE):
@@ -156,6 +163,35 @@ def _yielding_of_laws(runs: Sequence[ComparedRun]) -> str:
     return (
         "With the bilinear law every loaded contact counts as yielded: "
         f"{', '.join(run.name for run in bilinear[:_MOST_LISTED])}."
+    )
+
+
+def has_walls_in_some(runs: Sequence[ComparedRun]) -> bool:
+    """Return True if grains touch walls, plates or bars in some of the runs, but not in all."""
+    return 0 < len(_with_walls(runs)) < len([run for run in runs if run.has_spheres])
+
+
+def _with_walls(runs: Sequence[ComparedRun]) -> list[ComparedRun]:
+    """Return the runs in which grains touch walls, plates or bars, or may,
+    since they have a bottom.
+    """
+    return [
+        run
+        for run in runs
+        if run.has_spheres
+        and (run.run.number(_N_WALL_CONTACTS) != 0 or run.run.number(_FORCE) is not None)
+    ]
+
+
+def _walls_in_some(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on runs without walls next to runs with walls; empty if there are none."""
+    if not has_walls_in_some(runs):
+        return ""
+    with_walls = _with_walls(runs)
+    without = [run for run in runs if run.has_spheres and run not in with_walls]
+    return (
+        "The peak contact force including walls is the largest force between grains where no grain "
+        f"touches a wall, so that it has no ratio: {_named(without)}."
     )
 
 
@@ -284,8 +320,13 @@ def _without_force(runs: Sequence[ComparedRun]) -> list[str]:
     if single:
         names = _named(single)
         notes.append(f"Not ranked, since a single sphere is the impact without a packing: {names}.")
-    if missing:
-        names = _named(missing)
+    free = [run for run in missing if run.run.case.get(_BOTTOM) == _FREE]
+    if free:
+        names = _named(free)
+        notes.append(f"Not ranked by the force on the bottom, since there is no bottom: {names}.")
+    unrecorded = [run for run in missing if run not in free]
+    if unrecorded:
+        names = _named(unrecorded)
         notes.append(f"Not ranked by the force on the bottom, which is not recorded: {names}.")
     return notes
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from fnmatch import fnmatchcase
-from typing import Protocol
+from typing import Any, Protocol
 
 import h5py
 import numpy as np
@@ -74,8 +74,11 @@ _OF_SIZE = (
 )  # fmt: skip
 
 _FRACTION = "_fraction"
+_DISSIPATING = "n_dissipating_contacts"  # None where contacts cannot yield
+_FRICTION = "friction"  # end of keys
 _DISSIPATED_ENERGY = "energy_dissipated_J"
 #: Plastic dissipation, which is uncertain if the zone is.
+_PLASTIC = "plastic_fraction"
 _OF_DISSIPATION = (DISSIPATED_FRACTION, _DISSIPATED_ENERGY)
 
 
@@ -172,13 +175,15 @@ def truncated_runs(
     """
     is_one_case = differ_in_end_only(runs)
     unknown = frozenset(run for run in runs if not has_peak_at_bottom(run))
-    remaining: dict[tuple[tuple[Course, ...], tuple[ComparedRun, ...]], frozenset[ComparedRun]] = {}
+    lossless = tuple(filter(_dissipates_nothing, runs))
+    remaining: dict[tuple[Any, ...], frozenset[ComparedRun]] = {}
     truncated: dict[str, frozenset[ComparedRun]] = {}
     for name in names:
         cut = unknown if _matches(name, _OF_BOTTOM) else frozenset()
         compared = tuple(run for run in runs if run not in cut and run.run.number(name) is not None)
         if not _matches(name, _INDEPENDENT):
-            key = (_courses_of(name), compared)
+            is_of_loss = _matches(name, (*_OF_DISSIPATION, _PLASTIC))
+            key = (_courses_of(name), compared, lossless if is_of_loss else ())
             if key not in remaining:
                 is_of_peak = _matches(name, _PEAKS_AT_BOTTOM)
                 remaining[key] = _early_runs(*key, is_one_case=is_one_case, is_of_peak=is_of_peak)
@@ -191,6 +196,7 @@ def truncated_runs(
 def _early_runs(
     courses: Sequence[Course],
     runs: Sequence[ComparedRun],
+    complete: Collection[ComparedRun],
     *,
     is_one_case: bool,
     is_of_peak: bool,
@@ -203,6 +209,8 @@ def _early_runs(
         Courses that determine the value; empty if they are not recorded.
     runs
         Runs that have the value.
+    complete
+        Runs that have the value at any end.
     is_one_case
         True if all runs of the comparison have one case.
     is_of_peak
@@ -213,7 +221,8 @@ def _early_runs(
     own = is_of_peak and not is_one_case
     settled = () if is_one_case else tuple(filter(_has_settled, runs))
     unsettled = [run for run in runs if run not in settled]
-    doubtful = [run for run in unsettled if not (own and has_own_peak(run))]
+    doubtful = [run for run in unsettled if run not in complete]
+    doubtful = [run for run in doubtful if not (own and has_own_peak(run))]
     cut: set[ComparedRun] = set()
     while doubtful and have_unlike_ends([run for run in runs if run not in cut]):
         earliest = min(end_of(run) for run in unsettled if run not in cut)
@@ -223,6 +232,19 @@ def _early_runs(
         cut.update(run for run in doubtful if end_of(run) <= LATER * first)
         doubtful = [run for run in doubtful if run not in cut]
     return frozenset(cut)
+
+
+def _dissipates_nothing(run: ComparedRun) -> bool:
+    """Return True for a run that dissipates no energy at any end: its contacts cannot yield, have
+    no friction, and dissipated nothing.
+    """
+    summary = run.run.summary
+    if not run.has_spheres or summary.get(_DISSIPATING, 0) is not None:
+        return False
+    has_friction = any(
+        bool(value) for key, value in run.run.case.items() if key.endswith(_FRICTION)
+    )
+    return not has_friction and run.run.number(_DISSIPATED_ENERGY) == 0
 
 
 def _are_final(

@@ -50,6 +50,7 @@ _BAR = "bar.length"  # the key that names a bar in a label
 _BEFORE_SUPPORT = ("packing.", "material.")  # keys that are first in a label
 _LAST = 3
 _CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by their units
+_PAIR = 2
 _MOST_KEYS = 3  # in a label
 _LONGEST = 44  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
@@ -401,9 +402,29 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
             said = [_with_name(key, "0") for key in parts if _is_zero(run.case.get(key))]
         if not said and 0 < ends[place] < _EARLY * max(ends):
             said = [f"until {quantity_in(ends[place], 's')}"]
+        if not said and not parts and len(runs) > _PAIR:  # it has the usual values
+            said = _usual_in_words(values, place, run)
         more = ["…"] if len(said) > _MOST_KEYS else []
         texts.append(_BETWEEN_DIFFERENCES.join([*said[:_MOST_KEYS], *more]))
     return texts
+
+
+def _usual_in_words(values: Mapping[str, Sequence[str]], place: int, run: ReportRun) -> list[str]:
+    """Return the values of the differing keys of a run with the usual ones; none if its name has
+    one of them, and of a point of a scan.
+
+    Parameters
+    ----------
+    values
+        Values of the differing keys in words, by run.
+    place
+        Position of the run.
+    """
+    parts = {key: _fitting(key, of_runs[place], run.case) for key, of_runs in values.items()}
+    in_name = set(re.split(_BETWEEN_WORDS, run.label))
+    if in_name.intersection(parts.values()) or re.fullmatch(_POINT, run.label):
+        return []
+    return [_with_name(key, part) for key, part in parts.items() if part]
 
 
 def _end_of(run: ReportRun) -> float:

@@ -7,8 +7,9 @@ from collections.abc import Collection, Sequence
 
 from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.measures.law_range import BEYOND_LAW, contacts_beyond_law
 from granwave.analysis.reports.comparison.compared_value import MARK, PARTIAL, ComparedValue, factor
-from granwave.analysis.reports.comparison.ends import have_unlike_ends
+from granwave.analysis.reports.comparison.ends import AT_THE_END, have_unlike_ends
 from granwave.analysis.reports.comparison.energy_inputs import have_unlike_inputs
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
@@ -47,9 +48,9 @@ def sentence(
     stated
         Names of values that other sentences state.
     """
-    compared = [value for value in values if (value.is_complete if asked else value.is_main)]
-    others_stated = any(value.name in stated for value in compared)
-    compared = [value for value in compared if value.name not in stated]
+    main = _main_values(values, asked=asked)
+    others_stated = any(value.name in stated for value in main)
+    compared = [value for value in main if value.name not in stated]
     other = "other " if others_stated else ""
     different = differing_values(compared)
     if not different:
@@ -57,7 +58,7 @@ def sentence(
             return ""
         return _without_difference(values, compared, runs, asked=asked)
     is_truncated = any(value.is_cut for value in values)
-    distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
+    distinct = _distinct_values(different)
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
         results = f"{other}results {_ALL_COMPLETE}" if is_truncated else f"{other}results"
@@ -69,9 +70,55 @@ def sentence(
     text = f"The {other}main results differ most in {most}."
     if is_truncated:
         text = f"Of the {other}results {_ALL_COMPLETE}, the largest difference is in {most}."
-    if not others:
-        return text
-    return f"{text} Further differences: {'; '.join(others)}."
+    if others:
+        text = f"{text} Further differences: {'; '.join(others)}."
+    return f"{text} {_uncounted(values, distinct, runs)}".rstrip()
+
+
+def _uncounted(
+    values: Sequence[ComparedValue], counted: Sequence[ComparedValue], runs: Sequence[ComparedRun]
+) -> str:
+    """Return a sentence on larger ratios in the table than those that a sentence counts, with the
+    reasons; empty without them.
+    """
+    largest = max(value.spread for value in counted)
+    names = {value.name for value in counted}
+    parts: list[str] = []
+    for value in values:
+        reason = _why_uncounted(value, runs)
+        if reason and value.name not in names and value.ratio and value.spread > largest:
+            parts.append(f"{_in_sentence(value.label)} ({reason})")
+    return f"Larger ratios that are not counted: {named(parts, _MOST_NAMED)}." if parts else ""
+
+
+def _why_uncounted(value: ComparedValue, runs: Sequence[ComparedRun]) -> str:
+    """Return the reason for which a sentence does not count a value that has a ratio; empty for a
+    value that it may count, and for a value at the arbitrary end of a run.
+    """
+    if value.is_main or value.name in AT_THE_END:
+        return ""
+    if value.is_of_input:
+        return "it depends on the input, which differs"
+    if value.incomplete:
+        names = named([runs[place].name for place in sorted(value.incomplete)], _MOST_NAMED)
+        return f"incomplete in {names}"
+    return ""
+
+
+def named_values(values: Sequence[ComparedValue], stated: Collection[str] = ()) -> list[str]:
+    """Return the names of the values that `sentence` states; parameters as there."""
+    compared = [value for value in _main_values(values) if value.name not in stated]
+    return [value.name for value in of_families(_distinct_values(differing_values(compared)))]
+
+
+def _main_values(values: Sequence[ComparedValue], *, asked: bool = False) -> list[ComparedValue]:
+    """Return the values that a sentence may compare."""
+    return [value for value in values if (value.is_complete if asked else value.is_main)]
+
+
+def _distinct_values(different: Sequence[ComparedValue]) -> list[ComparedValue]:
+    """Return the values that differ by enough for a sentence."""
+    return [value for value in different if value.spread > _HARDLY and not value.is_negligible]
 
 
 def _agreement(value: ComparedValue) -> str:
@@ -102,7 +149,9 @@ def _without_difference(
         reasons.append("it still grows at the end of a run")
     is_alike = not any(value.differs_in_meaning for value in values)
     if not is_alike:
-        reasons.append("packings and blocks define it differently")
+        are_packings = all(run.has_spheres for run in runs)
+        who = "packings with and without walls" if are_packings else "packings and blocks"
+        reasons.append(f"{who} define it differently")
     if any(value.is_limited for value in values):
         reasons.append("a boundary limits the plastic zone")
     if any(value.is_unresolved for value in values):
@@ -163,6 +212,18 @@ def partial_note(values: Sequence[ComparedValue], names: Sequence[str]) -> str:
     return f"{PARTIAL} ({MARK} in tables), and not part of ratios: values of {cut} ({labels})."
 
 
+def beyond_law_note(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on runs with contacts beyond the range of the law; empty without them."""
+    counts = {run.name: contacts_beyond_law(run.run.summary) for run in runs}
+    names = [f"{name} ({count})" for name, count in counts.items() if count]
+    if not names:
+        return ""
+    return (
+        f"Contacts beyond overlaps of 0.2 R*, the limit of the law: {named(names, _MOST_NAMED)}. "
+        f"Forces, overlaps and dissipation of these runs are extrapolated ({BEYOND_LAW} in tables)."
+    )
+
+
 def _clause(value: ComparedValue, names: Sequence[str]) -> str:
     """Return label, values and ratio: ``peak force 1.2 kN (a) and 2.4 kN (b), a factor of 2``."""
     label = _in_sentence(value.label)
@@ -171,21 +232,33 @@ def _clause(value: ComparedValue, names: Sequence[str]) -> str:
     if len(numbers) > 2:
         numbers = [min(numbers), max(numbers)]
         joint = "to"
-    first, last = [f"{value.text(size)} ({_runs_with(value, size, names)})" for size in numbers]
+    first, last = [_end_in_words(value, size, names) for size in numbers]
     text = f"{label}, {first} {joint} {last}"
     if value.ratio is None:
         return text
     return f"{text}, a ratio of {factor(value.ratio)}"
 
 
-def _runs_with(value: ComparedValue, size: float, names: Sequence[str]) -> str:
-    """Return the names of the runs in which a value has a size; of many runs the first names."""
-    equal = [
-        name
-        for number, name in zip(value.values, names, strict=True)
+def _end_in_words(value: ComparedValue, size: float, names: Sequence[str]) -> str:
+    """Return a value with the runs that have it: ``1.2 kN (a)``; with the mark of contacts beyond
+    the range of the law.
+    """
+    mark = f" {BEYOND_LAW}" if value.beyond_law & frozenset(_places_with(value, size)) else ""
+    return f"{value.text(size)}{mark} ({_runs_with(value, size, names)})"
+
+
+def _places_with(value: ComparedValue, size: float) -> list[int]:
+    """Return the positions of the runs in which a value has a size."""
+    return [
+        place
+        for place, number in enumerate(value.values)
         if number is not None and math.isclose(number, size, rel_tol=SAME)
     ]
-    return named(equal, _MOST_NAMED)
+
+
+def _runs_with(value: ComparedValue, size: float, names: Sequence[str]) -> str:
+    """Return the names of the runs in which a value has a size; of many runs the first names."""
+    return named([names[place] for place in _places_with(value, size)], _MOST_NAMED)
 
 
 def _in_sentence(label: str) -> str:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from granwave.analysis.document.model import label_of, unit_of_value
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.measures.law_range import is_beyond_law
 from granwave.analysis.measures.zone_resolution import error_of
-from granwave.analysis.quantities import quantities, report_columns
+from granwave.analysis.quantities import SIZES_BY_LAYERS, quantities, report_columns
 from granwave.analysis.reports.comparison.compared_value import (
     ROUNDING,
     STILL_GROWING,
     ComparedValue,
     digits,
 )
+from granwave.analysis.reports.comparison.definitions import WITH_WALLS, has_walls_in_some
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
     growing_names,
@@ -27,6 +29,7 @@ from granwave.analysis.reports.comparison.ends import (
     unresolved_names,
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
+from granwave.analysis.reports.comparison.redefined import redefined_names
 from granwave.analysis.reports.comparison.subjects import MOST_SIDE_BY_SIDE, ComparedRun
 from granwave.analysis.summary_table import has_no_pairs
 
@@ -61,7 +64,6 @@ _FAMILIES = (
 _FURTHER = ("energy_dissipated_J", "energy_kinetic_J", "peak_overlap_m", "restitution")
 #: Values of the contacts between spheres, which a run without loaded contacts does not have.
 _OF_PAIRS = ("peak_force_N", "peak_force_error_N", "peak_overlap_m")
-_WITH_WALLS = "peak_force_with_walls_N"
 _OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
 SAME = 1e-9  # relative difference of values that are equal
 _IN_SENTENCE = 3
@@ -130,10 +132,11 @@ def _without_repetitions(values: Sequence[ComparedValue]) -> list[ComparedValue]
 
 
 def shown_values(
-    values: Sequence[ComparedValue], most: int, *, asked: bool
+    values: Sequence[ComparedValue], most: int, *, asked: bool, stated: Collection[str] = ()
 ) -> Sequence[ComparedValue]:
-    """Return the values that a table shows: the requested values, or the first results without
-    values at the arbitrary end of a run; of many runs only values that differ.
+    """Return the values that a table shows: the requested values, or the values of the sentences
+    and the first other results without values at the arbitrary end of a run; of many runs only
+    values that differ. Sizes of the plastic zone are the interpolated ones, as in the sentences.
 
     Parameters
     ----------
@@ -141,13 +144,20 @@ def shown_values(
         Number of results.
     asked
         True if the values were requested by name.
+    stated
+        Names of the values that sentences state.
     """
     if asked:
         return values
     shown = [value for value in values if value.name not in AT_THE_END]
     if any(len(value.values) > MOST_SIDE_BY_SIDE for value in shown):
         shown = differing_values(shown)
-    return shown[:most]
+    names = {value.name for value in shown if None not in value.values}
+    by_layers = {name for name, between in SIZES_BY_LAYERS.items() if between in names}
+    shown = [value for value in shown if value.name not in by_layers]
+    first = [value.name for value in shown if value.name in stated]
+    first += [value.name for value in shown if value.name not in stated]
+    return [value for value in shown if value.name in first[:most]]
 
 
 def unknown_values(
@@ -191,8 +201,16 @@ def _outcomes(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def unlike_names(runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the names of values that the kinds of these runs define differently."""
-    return {*_OF_ONE_KIND} if len({run.run.kind for run in runs}) > 1 else set()
+    """Return the names of values that the kinds or versions of these runs define differently."""
+    names = redefined_names(runs)
+    if len({run.run.kind for run in runs}) > 1:
+        names |= {*_OF_ONE_KIND}
+    return names
+
+
+def _unlike_at_walls(runs: Sequence[ComparedRun]) -> tuple[str, ...]:
+    """Return the names of values that include forces on walls only in some of the runs."""
+    return (WITH_WALLS,) if has_walls_in_some(runs) else ()
 
 
 def _keys(runs: Sequence[ComparedRun]) -> list[str]:
@@ -232,10 +250,13 @@ def _value(
         is_limited=is_limited,
         is_growing=is_growing,
         is_of_input=is_of_input,
-        differs_in_meaning=name in unlike_names(runs),
+        differs_in_meaning=name in (*unlike_names(runs), *_unlike_at_walls(runs)),
         incomplete=incomplete,
         is_unresolved=is_unresolved,
         errors=tuple(error_of(name, run.run.summary) for run in runs),
+        beyond_law=frozenset(
+            place for place, run in enumerate(runs) if is_beyond_law(name, run.run.summary)
+        ),
     )
 
 
@@ -263,4 +284,4 @@ def _number(name: str, run: ComparedRun) -> float | None:
     value = run.run.number(name)
     if name in _OF_PAIRS and has_no_pairs(run.run.summary):
         return None
-    return None if name == _WITH_WALLS and value == 0 else value
+    return None if name == WITH_WALLS and value == 0 else value

@@ -12,13 +12,17 @@ import granwave as gw
 DPI = 75
 
 runs = {}
+first_changes = {}
 table = tomllib.loads((FOLDER / "figures.toml").read_text(encoding="utf-8"))
 for entry in table["run"]:
     case = entry["case"]
-    if case not in runs:
-        runs[case] = gw.run(case, entry.get("changes", {}), directory=case, figures=False)
+    changes = entry.get("changes", first_changes.get(case, {}))
+    first_changes.setdefault(case, changes)
+    key = f"{case} {changes}"
+    if key not in runs:
+        runs[key] = gw.run(case, changes, directory=f"run{len(runs)}", figures=False)
     for name in entry["figures"]:
-        figure = np.ravel(runs[case].figure(name))[0].figure
+        figure = np.ravel(runs[key].figure(name))[0].figure
         picture = Path(f"{name}.png")
         figure.savefig(picture, dpi=DPI, bbox_inches="tight")
         plt.close(figure)

@@ -10,8 +10,8 @@ class PyGranwave(PythonPackage):
     """Impact and waves in ordered granular packings, on LAMMPS."""
 
     license("GPL-2.0-only")
-    # a checkout:  spack develop --path . py-granwave@1.0.0
-    version("1.0.0")
+    # a checkout:  spack develop --path . py-granwave@1.1.0
+    version("1.1.0")
 
     # the plugin has no binary interface to other releases: built again with each
     depends_on("lammps@20250722 +lib +mpi +python +granular +plugin", type=("build", "link", "run"))

@@ -131,7 +131,7 @@ class Fit(FittedLaw):
         if ZERO not in self.uncertainty:
             return []
         spread = self.uncertainty[ZERO] * _MICRO
-        readings = f"Readings of the overlap less {self.zero * _MICRO:.6g} +- {spread:.2g} um"
+        readings = f"Readings of the overlap less {self.zero * _MICRO:.6g} +- {spread:.2g} µm"
         return [f"{readings}: the zero was also fitted."]
 
 
@@ -279,7 +279,7 @@ def _zero_said(fit: Fit) -> str:
     zero = fit.zero * _MICRO
     spread = fit.uncertainty[ZERO] * _MICRO
     return (
-        f"with a zero of {zero:.4g} +- {spread:.2g} um it would be {_worst(fit):.3g} %: "
+        f"with a zero of {zero:.4g} +- {spread:.2g} µm it would be {_worst(fit):.3g} %: "
         "also fit the zero (--fit-zero)"
     )
 

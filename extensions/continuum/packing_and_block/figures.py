@@ -8,8 +8,9 @@ F_y.
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple
@@ -19,7 +20,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from pandas import DataFrame, Series
 
-from granwave.analysis.document.model import DocumentTable, show
+from granwave.analysis.document.model import DocumentTable, named, show
 from granwave.analysis.figures.edges import mark_outside
 from granwave.analysis.figures.series import label, legend_outside, panels
 from granwave.analysis.figures.style import (
@@ -45,6 +46,7 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     energy_unit,
     involved,
     masses,
+    omitted_in_words,
     variants,
 )
 from granwave.lammps_inputs.errors import GranwaveError
@@ -287,6 +289,8 @@ _FRONT = (
     "Granular: the front by layer, before reflections from the base. Below F_y the front is "
     "elastic; the closer the mean is to the largest force of its layer, the more planar it is"
 )
+_SLOW = "less than a tenth of the largest velocity"
+_OTHER_FRONTS = f"only {_MOST_FRONTS} velocities of the reference are drawn"
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
 
@@ -353,14 +357,25 @@ def linear(runs: DataFrame) -> Linearity | None:
     return Linearity(velocity, ray, DataFrame({"depth": depth[kept], "exponent": exponent}))
 
 
+def with_runs(picture: Picture, drawn: DataFrame, omitted: str) -> Picture:
+    """Add to a caption the names of the runs that the figure shows, and the omitted ones."""
+    caption = f"{picture.caption}. Drawn: {named(list(dict.fromkeys(drawn['label'])))}"
+    if omitted:
+        caption += f". Not drawn: {omitted}"
+    return dataclasses.replace(picture, caption=caption, data=None)
+
+
+def front_runs(runs: DataFrame) -> DataFrame:
+    """Return up to four runs that cover the range of velocities."""
+    return runs.iloc[sorted({round(n) for n in np.linspace(0, len(runs) - 1, _MOST_FRONTS)})]
+
+
 def fronts(runs: DataFrame) -> dict[float, DataFrame]:
     """Front of up to four runs that cover the range of velocities, by normalised velocity."""
     if not len(runs) or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
         return {}
     front_of_velocity = {}
-    for run in runs.iloc[
-        sorted({round(n) for n in np.linspace(0, len(runs) - 1, _MOST_FRONTS)})
-    ].itertuples():
+    for run in front_runs(runs).itertuples():
         try:
             with Result(run.run.directory) as result:
                 front_of_velocity[float(run.velocity_normalised)] = _front(result, run.yield_force)
@@ -372,11 +387,16 @@ def fronts(runs: DataFrame) -> dict[float, DataFrame]:
 def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Peak force against impulse, and the front, of the reference."""
     if linearity := linear(impacts.fast):
-        yield Picture(
+        picture = Picture(
             "peak_force_impulse", _IMPULSE, partial(_peak_force_against_impulse, linearity)
         )
+        yield with_runs(picture, impacts.fast, omitted_in_words(impacts, impacts.fast, _SLOW))
     if front_tables := fronts(impacts.reference):
-        yield Picture("front", _FRONT, partial(_front_by_depth, front_tables))
+        drawn = front_runs(impacts.reference)
+        drawn = drawn[drawn.velocity_normalised.isin(list(front_tables))]
+        names = dict(zip(drawn.velocity_normalised, drawn["label"], strict=True))
+        picture = Picture("front", _FRONT, partial(_front_by_depth, front_tables, names))
+        yield with_runs(picture, drawn, omitted_in_words(impacts, drawn, _OTHER_FRONTS))
 
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable]:
@@ -511,17 +531,21 @@ def _peak_force_against_impulse(linearity: Linearity) -> Drawing:
     return Drawing(figure, columns | {"depth_m": depth, "exponent": exponent})
 
 
-def _front_by_depth(front_tables: dict[float, DataFrame]) -> Drawing:
+def _front_by_depth(front_tables: dict[float, DataFrame], names: Mapping[float, str]) -> Drawing:
     """Draw the largest peak force of the first wave and its uniformity by layer: below the yield
     force the front is elastic.
+
+    Parameters
+    ----------
+    names
+        Names of the runs, by normalised velocity.
     """
     figure, left, right = panels(2.6, 2)
     columns: dict[str, NDArray] = {}
     for n, (velocity, front) in enumerate(front_tables.items()):
         style = {**look(n), "markersize": 3.5, "linewidth": 0.8}
-        left.plot(
-            front.depth * _MILLI, front.largest, label=rf"$\bar v_0$ = {velocity:.4g}", **style
-        )
+        name = rf"{names[velocity]}, $\bar v_0$ = {velocity:.4g}"
+        left.plot(front.depth * _MILLI, front.largest, label=name, **style)
         right.plot(front.depth * _MILLI, front.uniformity, **style)
         for name, column in zip(
             ("depth_m", "largest_over_Fy", "mean_over_largest"), front, strict=True

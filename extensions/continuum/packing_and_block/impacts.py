@@ -19,6 +19,7 @@ import numpy as np
 import pandas as pd
 from pandas import DataFrame
 
+from granwave.analysis.document.model import named
 from granwave.analysis.measures.impact import (
     Involved,
     QuadraticLaw,
@@ -29,6 +30,7 @@ from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.extensions.continuum.runs import ContinuumRun
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import regular
@@ -307,6 +309,56 @@ def _table(rows: Sequence[dict[str, Any]]) -> DataFrame:
     return table
 
 
+def omitted_in_words(
+    impacts: Impacts, drawn: DataFrame, otherwise: str = "another velocity"
+) -> str:
+    """Return the names of the runs of packings that a figure does not show, with the differences
+    from the reference as reasons; empty if it shows all.
+
+    Parameters
+    ----------
+    drawn
+        Runs that the figure shows.
+    otherwise
+        Reason of runs that belong to the reference.
+    """
+    runs = impacts.granular
+    omitted: dict[str, list[str]] = {}
+    for _, run in runs[~runs["label"].isin(drawn["label"])].iterrows():
+        omitted.setdefault(_why_apart(impacts.reference, run) or otherwise, []).append(run.label)
+    return "; ".join(f"{named(labels)} ({reason})" for reason, labels in omitted.items())
+
+
+def _why_apart(reference: DataFrame, run: pd.Series) -> str:
+    """Return the differences of a run of a packing from the reference; without one the run of the
+    reference with the same velocity; empty for a run of the reference.
+    """
+    first = reference.iloc[0]
+    reasons: list[str] = []
+    if run.packing != first.packing:
+        reasons.append(run.packing)
+    elif run["shape"] != first["shape"]:
+        reasons.append("another boundary, static load or direction of the impact")
+    if run.substance != first.substance:
+        reasons.append(differences(first, run))
+    if run.struck_spheres != 1:
+        reasons.append(f"{run.struck_spheres} impacted spheres")
+    if reasons:
+        return ", ".join(reasons)
+    gaps = (reference.velocity_normalised / run.velocity_normalised - 1).abs()
+    nearest = reference.loc[gaps.idxmin()]
+    if gaps.min() >= SAME or nearest.label == run.label:
+        return ""
+    return f"same impact as {nearest.label}"
+
+
+def _load_of(case: Case) -> tuple[str, ...]:
+    """Return what distinguishes loads of equal velocity: static load, angle and spin."""
+    load = case.load
+    values = (case.precompression, getattr(load, "angle", 0.0), getattr(load, "spin", None))
+    return tuple(map(repr, values))
+
+
 def _granular(run: FinishedRun) -> dict[str, Any]:
     """Row of an impact on a packing."""
     case = run.case
@@ -325,7 +377,8 @@ def _granular(run: FinishedRun) -> dict[str, Any]:
         "n_spheres": run.assembly.lattice.n_spheres,
         "packing": f"{packing.kind} {' × '.join(map(str, packing.size))}",
         "substance": (*constants.values(), packing.diameter, case.contact),
-        "shape": (packing.kind, packing.size, boundary.bottom, boundary.sides), "held": (packing.kind, boundary),
+        "shape": (packing.kind, packing.size, boundary.bottom, boundary.sides, *_load_of(case)),
+        "held": (packing.kind, boundary, *_load_of(case)),
     }  # fmt: skip
 
 

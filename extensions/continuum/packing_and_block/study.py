@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -41,6 +41,7 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     masses,
     materials,
     not_ideal,
+    omitted_in_words,
     quadratic_fit,
     rising,
     variants,
@@ -52,9 +53,10 @@ _ELSEWHERE = (
 )
 _REFERENCE_ONLY = (
     "The quadratic law, the peak force against impulse and the front are computed for the "
-    "reference; excluded, because the packing, material, diameter, support or number of impacted "
-    "spheres differs"
+    "reference ({}). Excluded: {}."
 )
+_NOT_LISTED = "Not in the table of the dissipation per mass and volume"
+_NOTHING = "nothing was dissipated"
 _UNRESOLVED_REMARK = (
     "Plastic zones of a few elements are not resolved: {}. Their size, and the dissipation per "
     "mass and volume, would be those of the elements, and are omitted. Use more run.elements, or "
@@ -66,6 +68,7 @@ _HOW_MANY = {1: "The run", 2: "Both runs"}  # by number of runs, in a sentence
 _FEWEST_ON_CURVE = 3  # smallest number of impacts on a curve of a figure of similarity
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
+_FEW_VOLUMES = f"only {_GRANULAR_SHOWN} runs of the reference are drawn"
 _OTHERS_LISTED = 24  # largest number of impacts with other materials, diameters or loading areas
 _FIT_REMARK = (
     "D2 is 0.5 if fast impacts dissipate all their energy: {:.3g} to {:.3g} of the input in the "
@@ -155,7 +158,9 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
         shown = _dissipating(grains, _GRANULAR_SHOWN)
         resolved = blocks[blocks.resolved]
         if len(shown) and len(resolved):
-            yield _picture("plastic_volume", figures.plastic_volume, shown, resolved)
+            picture = _picture("plastic_volume", figures.plastic_volume, shown, resolved)
+            omitted = omitted_in_words(impacts, shown, _FEW_VOLUMES)
+            yield figures.with_runs(picture, pd.concat([shown, resolved]), omitted)
     yield from zone.pictures(impacts)
     if len(grains):
         yield from _pictures_of_packings(impacts)
@@ -171,7 +176,10 @@ def _pictures_of_packings(impacts: Impacts) -> Iterator[Picture]:
         yield _picture("granular_scaling", figures.scaling, curves, figures.GRANULAR_ENERGY, "log")
     fit = quadratic_fit(impacts)
     if fit:
-        yield _picture("granular_velocity", figures.against_velocity, impacts.reference, fit)
+        picture = _picture("granular_velocity", figures.against_velocity, impacts.reference, fit)
+        yield figures.with_runs(
+            picture, impacts.reference, omitted_in_words(impacts, impacts.reference)
+        )
     areas = by_area(impacts)
     if len(areas) > 1:
         yield _picture("loading_area", figures.loading_area, areas)
@@ -202,12 +210,15 @@ def _picture(name: str, draw: Callable[..., Drawing], *arguments: Any) -> Pictur
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Packings and blocks side by side, then packings and blocks alone, with notes."""
-    rows = [
-        *_rows_per_mass(_dissipating(impacts.reference, _GRANULAR_LISTED)),
-        *_rows_per_mass(impacts.other_substances[:_OTHERS_LISTED]),
-        *_rows_per_mass(impacts.other_packings),
-        *_rows_per_mass(impacts.continuum_reference),
-    ]
+    listed = pd.concat(
+        [
+            _dissipating(impacts.reference, _GRANULAR_LISTED),
+            impacts.other_substances[:_OTHERS_LISTED],
+            impacts.other_packings,
+            impacts.continuum_reference,
+        ]
+    )
+    rows = list(_rows_per_mass(listed))
     numbers = numeric(
         ("Input", "J"), "Dissipated fraction", ("Mass involved", "kg"), ("Volume involved, voids included", "cm³"),
         ("Dissipated per mass", "J/kg"), ("Dissipated per volume", "MJ/m³"),
@@ -220,17 +231,53 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
             rows,
             sortable=True,
         )
+        if omitted := _unlisted(impacts, listed, {row[0] for row in rows}):
+            yield Note(f"{_NOT_LISTED}: {omitted}.", "note")
     yield from _resolution(impacts.continuum)
     yield from zone.tables(impacts)
     if len(impacts.reference):
         yield from _of_packings(impacts)
     yield from figures.tables(impacts)
-    others = impacts.granular[~impacts.granular["label"].isin(impacts.reference["label"])]
-    if len(impacts.reference) and len(others):
-        names = named(others["label"].tolist())
-        yield Note(f"{_REFERENCE_ONLY}: {names}.")
+    if len(impacts.reference) and (omitted := omitted_in_words(impacts, impacts.reference)):
+        names = named(impacts.reference["label"].tolist())
+        yield Note(_REFERENCE_ONLY.format(names, omitted))
     if len(impacts.continuum):
         yield from _of_blocks(impacts)
+
+
+def _unlisted(impacts: Impacts, listed: DataFrame, labels: Collection[str]) -> str:
+    """Return the names of the runs without a row, with their reasons; empty if there is none.
+
+    Parameters
+    ----------
+    listed
+        Runs of the table, also without dissipation.
+    labels
+        Names of the rows.
+    """
+    omitted: dict[str, list[str]] = {}
+    runs = pd.concat([impacts.granular, impacts.continuum])
+    for _, run in runs[~runs["label"].isin(labels)].iterrows():
+        omitted.setdefault(_why_unlisted(impacts, listed, run), []).append(run.label)
+    return "; ".join(f"{named(names)} ({reason})" for reason, names in omitted.items())
+
+
+def _why_unlisted(impacts: Impacts, listed: DataFrame, run: pd.Series) -> str:
+    """Return the reason for which a run has no row; parameters as of `_unlisted`."""
+    if not run.dissipated_fraction:
+        return _NOTHING
+    if run.label in set(listed["label"]):
+        return f"{_NOTHING} by yielding, or the result cannot be read"
+    if run.what == "continuum":
+        return "not among the reference of the blocks, or an equal impact is"
+    if run.label not in set(impacts.like_reference["label"]):
+        return "another packing"
+    if run.label in set(impacts.other_substances["label"]):
+        return f"only {_OTHERS_LISTED} runs outside the reference are listed"
+    rows = listed[listed["label"].isin(impacts.reference["label"])]
+    if run.energy_J < rows.energy_J.min() and len(rows) >= _GRANULAR_LISTED:
+        return f"of the reference only {_GRANULAR_LISTED} runs of high input energy are listed"
+    return "its input energy is within a factor of 2 of that of a listed run"
 
 
 def _resolution(blocks: DataFrame) -> Iterator[Note]:

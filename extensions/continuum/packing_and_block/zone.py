@@ -25,6 +25,7 @@ from granwave.analysis.document.model import (
     Note,
     TableColumn,
     Tone,
+    named,
     show,
     value_cell,
 )
@@ -40,6 +41,7 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     SAME,
     Impacts,
     energy_unit,
+    omitted_in_words,
     rising,
 )
 
@@ -74,7 +76,7 @@ def zones(impacts: Impacts) -> dict[str, DataFrame]:
     """Plastic zones by energy, of packings and of blocks.
 
     The packings consist of the spheres of the reference, and one sphere is impacted; for each
-    energy the largest packing is used.
+    energy the largest packing is used, of equal ones the packing of the reference.
 
     Returns
     -------
@@ -87,9 +89,10 @@ def zones(impacts: Impacts) -> dict[str, DataFrame]:
         "continuum": _sizes("continuum", impacts.continuum_reference),
     }
     if len(packings := zones_by_side["packing"]):
-        zones_by_side["packing"] = rising(
-            packings.sort_values("n_spheres", ascending=False, kind="stable"), "energy_J"
-        )
+        is_other = ~packings["shape"].isin(impacts.reference["shape"])
+        ranked = packings.assign(n_smaller=-packings.n_spheres, is_other=is_other)
+        ranked = ranked.sort_values(["n_smaller", "is_other"], kind="stable")
+        zones_by_side["packing"] = rising(ranked, "energy_J")
     return zones_by_side
 
 
@@ -102,10 +105,37 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
             markers = "Open markers, here all of packings"
         caption = (
             "Size of the plastic zone: extent of 50, 90 and 99 % of the plastic dissipation, in "
-            "packings and blocks of the reference material with one impacted sphere. "
-            f"{markers}: the zone reaches a boundary"
+            "packings and blocks of the reference material with one impacted sphere. Depths and "
+            "radii are those of whole layers and shells, not interpolated. "
+            f"{markers}: the zone reaches a boundary. {_drawn_in_words(impacts, sides)}"
         )
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
+
+
+def _drawn_in_words(impacts: Impacts, sides: Mapping[str, DataFrame]) -> str:
+    """Return the runs of the lines, the packings that stand apart, and the runs of packings that
+    are not drawn with their reasons.
+    """
+    packings = sides["packing"]
+    lines = [packings[packings["shape"].isin(impacts.reference["shape"])], sides["continuum"]]
+    names = [name for side in lines if len(side) for name in side["label"]]
+    text = f"Lines join runs that differ only in the velocity. Reference: {named(names) or 'none'}"
+    if apart := list(_apart(impacts, packings)):
+        text += f"; other packings: {named(apart)}"
+    omitted = omitted_in_words(impacts, packings)
+    return f"{text}. Not drawn: {omitted}" if omitted else text
+
+
+def _apart(impacts: Impacts, packings: DataFrame) -> Iterator[str]:
+    """Return the names of other packings than that of the reference, a line each."""
+    others = packings[~packings["shape"].isin(impacts.reference["shape"])]
+    for _, runs in others.groupby("shape", sort=False):
+        yield _name_of(runs)
+
+
+def _name_of(runs: DataFrame) -> str:
+    """Return the name of the runs of a line: their packing, for a single one the run."""
+    return str(runs["label" if len(runs) == 1 else "packing"].iloc[0])
 
 
 def _sizes_drawn(sides: Mapping[str, DataFrame]) -> list[str]:
@@ -144,7 +174,8 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         *numeric("Dissipated after reflections returned"),
     )
     caption = (
-        "Plastic zone: extent with 50, 90 and 99 % of the plastic dissipation, and total extent"
+        "Plastic zone: extent with 50, 90 and 99 % of the plastic dissipation (whole layers and "
+        "shells, not interpolated), and total extent"
     )
     yield table_of(caption, columns, map(_row, rows), sortable=True)
     is_open = [
@@ -305,13 +336,17 @@ def _row(zone: dict[str, Any]) -> Iterator[Cell]:
 
 def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
     """Draw the depth, radius and volume with 50, 90 and 99 % of the plastic dissipation against the
-    input energy.
+    input energy; lines of several packings have their names.
     """
     figure, *axes_of_sizes = panels(3.1, len(sizes))
     sides_with_zones = {what: side for what, side in sides.items() if len(side)}
     for axes, name in zip(axes_of_sizes, sizes, strict=True):
         for what, side in sides_with_zones.items():
-            _curves(axes, name, side, *_LOOKS[what])
+            for _, runs in side.groupby("shape", sort=False):
+                _curves(axes, name, runs, *_LOOKS[what])
+                if what == "packing" and side["shape"].nunique() > 1:
+                    is_right = runs.energy.max() > side.energy.median()
+                    _name_line(axes, runs, name, is_right=is_right)
         label(axes, r"$e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$", _SIZES[name], log="xy")
         _axis_of_contacts(axes, sides["packing"].iloc[0])
     lines: list[dict[str, Any]] = [
@@ -373,6 +408,28 @@ def _curves(axes: Axes, name: str, zones: DataFrame, colour: str, line: str) -> 
             ":",
             color=colour,
             linewidth=0.9,
+        )
+
+
+def _name_line(axes: Axes, runs: DataFrame, name: str, *, is_right: bool) -> None:
+    """Write the name of a line next to its last point with 99 % of the dissipation.
+
+    Parameters
+    ----------
+    is_right
+        True for a point in the right half, whose name is to its left.
+    """
+    last = runs.iloc[-1]
+    height = last[f"{name}_{SHARES[-1]}"]
+    if height > 0:
+        axes.annotate(
+            _name_of(runs),
+            (last.energy, height),
+            xytext=(-5, 0) if is_right else (5, 0),
+            textcoords="offset points",
+            fontsize=6.5,
+            ha="right" if is_right else "left",
+            va="center",
         )
 
 

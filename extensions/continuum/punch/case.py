@@ -29,10 +29,10 @@ class Block:
     """``[block]``: a cylinder with a fixed bottom and otherwise free surfaces."""
 
     diameter: float = number(
-        "diameter of the block", Usual("m", 1e-5, 10.0, ("mm", "um")), above=0, default=0.10
+        "diameter of the block", Usual("m", 1e-5, 10.0, ("mm", "µm")), above=0, default=0.10
     )
     height: float = number(
-        "height of the block", Usual("m", 1e-5, 10.0, ("mm", "um")), above=0, default=0.10
+        "height of the block", Usual("m", 1e-5, 10.0, ("mm", "µm")), above=0, default=0.10
     )
 
 
@@ -46,7 +46,7 @@ class Punch:
         "velocity of the punch, into the block", VELOCITY, above=0, default=10.0
     )
     taper: float = number(
-        "radius of the rounded edge", Usual("m", 1e-9, 0.1, ("mm", "um")), at_least=0, default=1e-4
+        "radius of the rounded edge", Usual("m", 1e-9, 0.1, ("mm", "µm")), at_least=0, default=1e-4
     )
 
     @property
@@ -63,7 +63,7 @@ class PunchRunSettings:
 
     end_time: float | Literal["auto"] = positive_or_auto(
         "end of the run; auto: when the punch has left and dissipation grows by less than 1e-4 of "
-        "the energy input in 10 us",
+        "the energy input in 10 µs",
         TIME,
     )
     elements: int = count(
@@ -76,9 +76,9 @@ class PunchRunSettings:
         "timestep; auto: just below the stability limit", INTERVAL
     )
     edge_size: float | Literal["auto"] = positive_or_auto(
-        "width of the elements at the punch's edge; auto: derived from elements (32 um for 62500 "
+        "width of the elements at the punch's edge; auto: derived from elements (32 µm for 62500 "
         "elements and a punch of 10 mm)",
-        Usual("m", 1e-9, 0.1, ("mm", "um")),
+        Usual("m", 1e-9, 0.1, ("mm", "µm")),
     )
     frame_interval: float = number(
         "time between snapshots of the fields; doubled whenever there are more than 64. While the "

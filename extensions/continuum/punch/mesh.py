@@ -11,7 +11,7 @@ has the same fraction of elements. If an edge size is given, L follows from it.
 
 The radius a of the contact area (`contact_end`) lies midway between two nodes, as the contact of a
 mesh ends half an element beyond the last touching node. On the rounded edge it grows with the load,
-on fine meshes by 26 um at 4 m/s and 60 um at 8 m/s (0.1 kg, taper 0.1 mm), on coarse ones node by
+on fine meshes by 26 µm at 4 m/s and 60 µm at 8 m/s (0.1 kg, taper 0.1 mm), on coarse ones node by
 node. The stress under the edge needs finer elements, not another contact formulation: with forces
 distributed over the segments between nodes (penalty, 1 to 8 points each) the scatter is the same.
 Scatter of the dissipated fraction when nodes are shifted by fractions of an element:
@@ -20,8 +20,8 @@ Scatter of the dissipated fraction when nodes are shifted by fractions of an ele
     0.1 kg, 8 m/s, scatter (%)     3.3     2.3     1.5
     0.1 kg, 4 m/s                  19      14      7
 
-By default the elements there are 32 um wide; finer ones reduce the timestep. Brass, D = 10 mm,
-taper 0.1 mm, compared with 62 500 elements and 8 um at the edge:
+By default the elements there are 32 µm wide; finer ones reduce the timestep. Brass, D = 10 mm,
+taper 0.1 mm, compared with 62 500 elements and 8 µm at the edge:
 
     kg, m/s     input    fraction dissipated        plastic volume (mm^3)
                          default  finer             default  finer
@@ -177,7 +177,7 @@ def contact_end(radius: float, taper: float, yield_strain: float) -> float:
     Indentations scale with the yield strain ``sigma_y/E``, and the edge is a parabola of curvature
     1/taper, so that the contact extends ``SPREAD (radius (taper sigma_y/E)^2)^(1/3)`` beyond the
     flat part. This is not an effect of the mesh: with the same taper, materials of different
-    ``sigma_y/E`` do not collapse on normalised axes near the onset of yield. On meshes with 5 um at
+    ``sigma_y/E`` do not collapse on normalised axes near the onset of yield. On meshes with 5 µm at
     the edge (brass, taper 0.1 mm) the dissipated fraction changes by
 
         normalised input    0.30     1.22     2.74     7.60

@@ -64,7 +64,7 @@ class BlockRun(ElementRun):
 
     KIND = "continuum"
     FINISHED = ("end_time", "settled", "longest")  # the last two are used with end_time = "auto"
-    UNIT = "us"
+    UNIT = "µs"
     PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
 
     def __init__(self, case: ContinuumCase) -> None:
@@ -277,7 +277,7 @@ class BlockRun(ElementRun):
     def refusal(self) -> tuple[str, str]:
         return (
             f"{100 * self.balance_error:.3g} % of the input at {1e6 * self.rows[-1]['time']:.4g} "
-            f"us, at most {100 * TOLERANCE:g} %",
+            f"µs, at most {100 * TOLERANCE:g} %",
             'Use run.timestep = "auto" or a smaller value, or more run.elements',
         )
 

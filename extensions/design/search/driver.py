@@ -261,7 +261,7 @@ class _Search:
         """Show the best objectives, and the numbers of rejected and failed designs."""
         parts = []
         for best in self.study.best()[:1]:
-            values = ", ".join(f"{name} {value:.4g}" for name, value in best.objectives.items())
+            values = ", ".join(f"{name} {value:.3g}" for name, value in best.objectives.items())
             parts.append(f"best {values} (design {best.number})")
         states = Counter(design.state for design in self.study.designs)
         parts += [f"{states[state]} {state}" for state in (REFUSED, FAILED) if states[state]]

@@ -199,15 +199,21 @@ def _compared(
         if isinstance(old, int | float) and isinstance(new, int | float) and old:
             changes[objective.name] = new / old - 1
     return changes, ", ".join(
-        _changed_value(name, after[name], change) for name, change in changes.items()
+        _changed_value(name, before[name] if _is_unchanged(change) else after[name], change)
+        for name, change in changes.items()
     )
+
+
+def _is_unchanged(change: float) -> bool:
+    """Return True for a relative change that a text calls unchanged."""
+    return abs(change) < _UNCHANGED
 
 
 def _changed_value(name: str, value: float, change: float) -> str:
     """Return an objective with its unit and its relative change, in words."""
     label = label_of(name)
     text = f"{label[:1].lower()}{label[1:]} {in_any_unit(value, unit_of_value(name))}"
-    if abs(change) < _UNCHANGED:
+    if _is_unchanged(change):
         return f"{text} (unchanged)"
     return f"{text} ({100 * change:+.1f} %)"
 

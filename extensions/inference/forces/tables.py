@@ -46,8 +46,8 @@ ENTRIES = (
     Quantity("chi2_per_equation", "Chi squared per degree of freedom",
              "Weighted sum of squared residuals, divided by its expectation for the given noise "
              "(about the number of equations minus the number of free force components; a sliding "
-             "contact has one less): near 1 if noise and friction are correct; null without known "
-             "noise."),
+             "contact counts one unknown less): near 1 if noise and friction are correct; null "
+             "without known noise."),
     Quantity("standard_error_fraction", "Standard error of the forces",
              "Root of the sum of squares of the standard errors, relative to the forces, from "
              "repetitions with noise."),

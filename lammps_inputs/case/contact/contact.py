@@ -160,7 +160,7 @@ class Contact:
         default=None,
     )
     normals: str = schema.choice(
-        "direction of the forces: along the current line of centers, or along the line at the "
+        "direction of the forces: along the current line of centres, or along the line at the "
         "start, as in programs for small displacements",
         NORMALS,
         default="current",

@@ -46,7 +46,7 @@ _TIME_FORM = f"a relaxation time from 0 to {_LONGEST_TIME:g} s"
 
 def _loss_time(time: float) -> float:
     refuse_if(time < 0, f"{_TIME_FORM}; {_GAIN}")
-    refuse_if(time > _LONGEST_TIME, f"{_TIME_FORM}; {time:g} us is {time:g}e-6")
+    refuse_if(time > _LONGEST_TIME, f"{_TIME_FORM}; {time:g} µs is {time:g}e-6")
     return time
 
 

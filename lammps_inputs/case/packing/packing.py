@@ -162,7 +162,7 @@ class PackingSection:
     diameter_scatter: float = schema.number(
         "diameter scatter: diameters lie between the nominal diameter minus this value and the "
         "nominal diameter",
-        Usual("m", 1e-12, 0.1, ("mm", "um")),
+        Usual("m", 1e-12, 0.1, ("mm", "µm")),
         at_least=0,
         default=0.0,
     )

@@ -75,7 +75,9 @@ class ErrorList:
     def add(self, key: str, what: str | Mismatch) -> None:
         """Add a fault of the dotted ``key``: a sentence, or the found and expected values."""
         top_down = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
-        changed = any(name in self.overridden for name in top_down)
+        # a changed kind decides which keys its table needs
+        kind = f"{key.rpartition('.')[0]}.kind"
+        changed = any(name in self.overridden for name in (*top_down, kind))
         if isinstance(what, Mismatch):
             parts = (what.found, what.expected, what.remedy)
             what = Mismatch(*(" ".join(part.split()) for part in parts))

@@ -16,7 +16,7 @@ from granwave.measures import GrainRow, decay_rate
 # density of the cylinders, kg/m^3: the value required by Fig. 7.4, and the printed value
 DENSITY = 2700.0
 PRINTED_DENSITY = 2100.0
-SOLVER = "The theory is a second solver (symmetric motion)."
+SOLVER = "The theoretical value is from a second solver that assumes symmetric motion."
 TABLE = Path(__file__).with_name("second_solver.csv")
 WHERE = "thesis 7.1"
 KILO = 1e3

@@ -15,7 +15,7 @@ CYLINDER = 5.14e-3
 FRICTION = 0.185
 SENSORS = (6, 21)  # spheres
 STATES = ("no cylinders", "open gaps", "loose, upstream", "loose, downstream")
-SOLVER = "The theory is a second solver (symmetric motion)."
+SOLVER = "The theoretical value is from a second solver that assumes symmetric motion."
 TABLE = Path(__file__).with_name("second_solver.csv")
 
 

@@ -226,6 +226,6 @@ def test_rows_out_of_the_order_of_measurement_are_named(caplog, in_order):
     overlap = np.concatenate([rise, np.linspace(turn, 3e-6, 60)])
     with caplog.at_level(logging.WARNING, "granwave"):
         curve_of(overlap, overlap)
-    jumps = "the overlap jumps from 10 to 5 um at row 102" in caplog.text
+    jumps = "the overlap jumps from 10 to 5 µm at row 102" in caplog.text
     assert jumps != in_order
     assert bool(caplog.text) != in_order

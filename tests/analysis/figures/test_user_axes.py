@@ -164,7 +164,7 @@ def test_the_legend_of_wide_axes_covers_no_curve(runs):
     pyplot.close(figure)
 
 
-@pytest.mark.parametrize("size", [(3.4, 2.4), (7, 3)])
+@pytest.mark.parametrize("size", [(3.4, 2.4), pytest.param((7, 3), marks=pytest.mark.validation)])
 @pytest.mark.parametrize("layout", ["constrained", None])
 @pytest.mark.parametrize(
     ("name", "n_panels"),

@@ -72,9 +72,9 @@ def test_numbers_of_yielded_contacts_grow(late, grows):
 
 
 def test_a_later_pulse_may_be_larger():
-    awaits = SimpleNamespace(has_known_peak=False, has_growing_impulse=False)
+    awaits = SimpleNamespace(is_reached=True, has_known_peak=False, has_growing_impulse=False)
     assert set(BOTTOM_PEAKS) < set(incomplete_values(record(bottom=awaits)))
-    final = SimpleNamespace(has_known_peak=True, has_growing_impulse=False)
+    final = SimpleNamespace(is_reached=True, has_known_peak=True, has_growing_impulse=False)
     assert incomplete_values(record(bottom=final)) == []
 
 

@@ -91,7 +91,7 @@ def test_warnings_tell_what_and_what_to_do():
         "reaches the bottom and the sides of the packing" in cut and "Use a larger packing" in cut
     )
     wave = zone_warning(WAVE, "block")
-    assert "1.8 %" in wave and "the sides" in wave and "20 us" in wave and "block" in wave
+    assert "1.8 %" in wave and "the sides" in wave and "20 µs" in wave and "block" in wave
     assert zone_warning(FREE) == ""
     assert (
         zone_warning({"n_spheres": 2} | CUT) == ""

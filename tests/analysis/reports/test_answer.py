@@ -25,16 +25,16 @@ CHROMIUM = (
 
 
 def scan_with(directory, points, share, **more):
-    """Scan whose dissipated fraction is a function of the labels."""
+    """Scan whose dissipated fraction is a function of the labels, and whose forces hardly vary."""
     scan = write_scan(directory, points, **more)
     for point in ScanResult(scan).points:
         path = scan / "points" / point.id / "summary.json"
         if path.exists():
-            path.write_text(
-                json.dumps(
-                    json.loads(path.read_text()) | {"dissipated_fraction": share(point.labels)}
-                )
-            )
+            own = {
+                "dissipated_fraction": share(point.labels),
+                "peak_force_N": 100 + point.labels.get("load.velocity", 0.0),
+            }
+            path.write_text(json.dumps(json.loads(path.read_text()) | own))
     return scan
 
 

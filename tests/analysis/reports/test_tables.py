@@ -20,7 +20,7 @@ from granwave.analysis.document.model import (
     value_cell,
 )
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.report import text_of
+from granwave.analysis.reports.report import text_of, write_report
 from granwave.analysis.reports.results import results_section
 from granwave.analysis.reports.setting import settings_blocks
 from granwave.analysis.reports.studies import studies_section
@@ -223,3 +223,16 @@ def test_templates_give_a_wide_figure_the_whole_row():
     css = (Path(__file__).parents[3] / "analysis/reports/templates/report.css").read_text()
     for rule in re.findall(r"([^{}]*only-child[^{}]*)\{[^}]*max-width", css):
         assert ":not(.wide)" in rule
+
+
+def test_long_texts_in_columns_of_numbers_wrap(tmp_path):
+    """A list of names does not cover the next column; numbers are on one line."""
+    names = ["dissipated_fraction", "plastic_fraction", "energy_dissipated_J"]
+    folders = [
+        write_run(tmp_path / name, figures=False, incomplete_values=values)
+        for name, values in (("long", names), ("short", []))
+    ]
+    write_report(folders, tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    assert f'<td class="number words">{", ".join(names)}</td>' in page
+    assert '<td class="number">none</td>' in page

@@ -8,6 +8,7 @@ import math
 import pytest
 
 from granwave.analysis.scans.figures import drawings
+from granwave.analysis.scans.headline import headline
 from granwave.analysis.scans.means import means_of
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.trends import Trend, course_of
@@ -15,6 +16,7 @@ from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
 
 SCATTERS = [2e-6, 5e-6, 10e-6]
 FORCE = "wall_peak_force_N"
+PEAK = "peak_force_N"
 
 
 @pytest.mark.parametrize(
@@ -174,6 +176,70 @@ def test_values_that_the_end_limits_have_no_trend(tmp_path):
     marks = drawings(ScanResult(tmp_path / "scan"))
     data = marks["bottom_peak_force_vs_packing_diameter_scatter"].columns
     assert list(data["not_final_at_the_end_of_the_run"]) == [0, 0, 1]
+
+
+def test_points_beyond_the_law_are_marked(tmp_path):
+    """The largest force is at contacts beyond the law; the force on the bottom is not of them."""
+
+    def values_of(labels):
+        velocity = labels["load.velocity"]
+        beyond = 5 if velocity == 150 else 0
+        return {PEAK: velocity, FORCE: velocity, "contacts_beyond_law": beyond}
+
+    means = means_with(tmp_path / "scan", grid(load__velocity=[20, 60, 150]), values_of)
+    assert means.sentence(PEAK).endswith(
+        "At 1 of 3 points (impact velocity 150 m/s) it is extrapolated: overlaps of contacts exceed "
+        "0.2 R*, the limit of the law."
+    )
+    assert means.range_in_words(PEAK).endswith("; extrapolated beyond the law at 1 of 3")
+    assert [means.marks(PEAK, row) for row in range(3)] == ["", "", "‡"]
+    assert means.text(PEAK, 2) == "150 ‡"
+    assert means.remark([PEAK]) == "‡ with contacts beyond the range of the law (0.2 R*)"
+    assert not means.remark([FORCE]) and "extrapolated" not in means.sentence(FORCE)
+    drawn = drawings(ScanResult(tmp_path / "scan"))
+    data = drawn["peak_force_vs_load_velocity"].columns
+    assert list(data["contacts_beyond_the_law"]) == [0, 0, 1]
+    assert "contacts_beyond_the_law" not in drawn["bottom_peak_force_vs_load_velocity"].columns
+
+
+def test_the_headline_is_about_the_quantity_that_answers(tmp_path):
+    """The force on the bottom of different lattices varies by a factor of 11, the dissipated
+    fraction by 7 %.
+    """
+    forces = {"fcc": 92.5, "sc": 8.74}
+    heights = {"fcc": 15e-3, "sc": 18e-3}
+    fractions = {"fcc": 0.96, "sc": 0.897}
+
+    def values_of(labels):
+        kind = labels["packing.kind"]
+        return {
+            FORCE: forces[kind], "dissipated_fraction": fractions[kind], PEAK: 50.0,
+            "packing_height_m": heights[kind],
+        }  # fmt: skip
+
+    means = means_with(tmp_path / "kinds", grid(packing__kind=["fcc", "sc"]), values_of)
+    assert means.quantities()[0][1] == FORCE
+    assert headline(means) == (
+        "Peak force on the bottom: from 8.74 N (packing sc) to 92.5 N (packing fcc). Dissipated "
+        "fraction: 0.897 to 0.96. Packings differ in height: 15 mm to 18 mm. Forces on the bottom "
+        "and arrival times depend on it."
+    )
+    fractions["sc"] = 0.5
+    means = means_with(tmp_path / "strong", grid(packing__kind=["fcc", "sc"]), values_of)
+    assert headline(means).startswith("Dissipated fraction: from 0.5 (packing sc) to 0.96 ")
+    assert " Peak force on the bottom: 8.74 N to 92.5 N. Packings differ" in headline(means)
+
+
+def test_values_that_are_not_final_do_not_lead(tmp_path):
+    def values_of(labels):
+        velocity = labels["load.velocity"]
+        incomplete = [FORCE] if velocity == 3 else []
+        fraction = 0.5 + 0.1 * velocity
+        return {FORCE: 10 * velocity, PEAK: 9 + velocity, "dissipated_fraction": fraction,
+                "incomplete_values": incomplete}  # fmt: skip
+
+    means = means_with(tmp_path, grid(load__velocity=[1, 2, 3]), values_of)
+    assert [key for _, key in means.quantities()][:3] == ["dissipated_fraction", PEAK, FORCE]
 
 
 def test_a_change_beyond_the_intervals_comes_first(tmp_path):

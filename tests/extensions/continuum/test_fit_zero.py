@@ -24,7 +24,7 @@ from tests.helpers.twins.twin import OTHER
 PUBLISHED = contact_of([BRASS], [R])
 FEW = ["pressure_limit", "pressure_rate", "area_slope"]  # without the joint of the areas: quick
 SOME = [*FEW, "unloading_exponent"]
-NAMED = re.compile(r"with a zero of (\S+) \+- (\S+) um")
+NAMED = re.compile(r"with a zero of (\S+) \+- (\S+) µm")
 
 
 def named_zero(text: str) -> tuple[float, float]:

@@ -280,6 +280,75 @@ def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
     assert len(found) == len(impacts.reference)
 
 
+def made_up(**columns) -> DataFrame:
+    """Rows of packings, of which the first two are the reference."""
+    n_runs = len(columns["label"])
+    same = {
+        "what": "granular", "substance": 0, "held": 0, "diameter": 2e-3, "material": "brass",
+        "struck_spheres": 1, "yield_strength": 550e6, "youngs_modulus": 115e9,
+        "poisson_ratio": 0.3, "density": 8500.0, "dissipated_fraction": 0.9,
+    }  # fmt: skip
+    return DataFrame({name: [value] * n_runs for name, value in same.items()} | columns)
+
+
+def packings() -> Impacts:
+    """Two velocities of a packing, another size, kind, diameter, and the first impact again."""
+    runs = made_up(
+        label=["a", "b", "size", "kind", "large", "again"],
+        packing=["bcc 9", "bcc 9", "bcc 12", "hcp 9", "bcc 9", "bcc 9"],
+        shape=[0, 0, 1, 2, 0, 0],
+        substance=[0, 0, 0, 0, 1, 0],
+        held=[0, 0, 0, 1, 0, 0],
+        diameter=[2e-3, 2e-3, 2e-3, 2e-3, 4e-3, 2e-3],
+        velocity_normalised=[1.0, 1.2, 4.0, 1.0, 1.0, 1.0],
+        energy_J=[1.0, 1.44, 16.0, 1.0, 8.0, 1.0],
+    )
+    return Impacts(runs, made_up(label=[]))
+
+
+def test_omitted_runs_have_their_own_reasons() -> None:
+    impacts = packings()
+    assert impacts.reference["label"].tolist() == ["a", "b"]
+    assert groups.omitted_in_words(impacts, impacts.reference) == (
+        "size (bcc 12); kind (hcp 9); large (diameter 4 mm); again (same impact as a)"
+    )
+    text = groups.omitted_in_words(impacts, impacts.granular[1:], "slow")
+    assert text == "a (slow)"
+    assert not groups.omitted_in_words(impacts, impacts.granular)
+
+
+def test_rows_without_a_run_have_a_reason() -> None:
+    impacts = packings()
+    listed = impacts.granular[impacts.granular["label"].isin(["b", "size"])]
+    assert study._unlisted(impacts, listed, ["b"]) == (
+        "a (its input energy is within a factor of 2 of that of a listed run); "
+        "size (nothing was dissipated by yielding, or the result cannot be read); "
+        "kind (another packing); large, again (only 24 runs outside the reference are listed)"
+    )
+
+
+def test_lines_join_only_runs_that_differ_in_velocity() -> None:
+    """The larger packing has another line, with its name."""
+    impacts = packings()
+    sizes = {name: np.arange(1.0, 7.0) for name in zone._columns()}
+    sizes |= {f"outermost_{name}": np.arange(1.0, 7.0) for name in ("depth", "radius")}
+    more = {"energy": impacts.granular.energy_J, "mark": 0, "energy_normalised": 1.0}
+    ends = {f"outermost_{name}_open_ended": 0 for name in ("depth", "radius")}
+    side = impacts.granular.assign(side="packing", **sizes, **ends, **more)[:3]
+    empty = DataFrame(columns=side.columns)
+    drawing = zone._zone_sizes({"packing": side, "continuum": empty}, ["depth"])
+    axes = drawing.figure.axes[0]
+    lines = [list(line.get_xdata()) for line in axes.lines if line.get_color() == zone.BLUE]
+    assert [1.0, 1.44] in lines and [16.0] in lines
+    assert not any(1.44 in line and 16.0 in line for line in lines)
+    assert {text.get_text() for text in axes.texts} == {"bcc 9", "size"}
+    words = zone._drawn_in_words(impacts, {"packing": side, "continuum": empty})
+    assert words.startswith(
+        "Lines join runs that differ only in the velocity. Reference: a, b; other packings: size. "
+        "Not drawn: kind (hcp 9); large (diameter 4 mm); again (same impact as a)"
+    )
+
+
 def notes_on_zones(impacts: Impacts) -> list[str]:
     return [block.text for block in zone.tables(impacts) if isinstance(block, Note)]
 

@@ -38,7 +38,7 @@ def values_of(changes=None, **run):
     ("mass", "taper", "elements"),
     [
         (0.1, 1e-4, 4000),
-        (0.00445, 1e-4, 4000),
+        pytest.param(0.00445, 1e-4, 4000, marks=pytest.mark.validation),
         pytest.param(0.1, 5e-4, 8000, marks=pytest.mark.validation),
     ],
 )

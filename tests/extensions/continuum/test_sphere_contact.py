@@ -299,6 +299,7 @@ def test_two_bodies_are_as_one_on_the_plane_of_symmetry():
     assert found[1].mean() == pytest.approx(found[0].mean(), rel=0.01)
 
 
+@pytest.mark.validation
 def test_softer_sphere_takes_the_deformation():
     case = case_of(
         {"partner": {"material": {**BRASS, "youngs_modulus": 210e9}}},
@@ -320,6 +321,7 @@ def test_softer_sphere_takes_the_deformation():
     )
 
 
+@pytest.mark.validation
 def test_speed_does_not_matter():
     found = []
     for speed in (1.0, 0.5):
@@ -336,6 +338,7 @@ NO_CALCULIX = pytest.mark.skipif(
 )
 
 
+@pytest.mark.validation
 @NO_CALCULIX
 def test_calculix_finds_the_same_force(tmp_path):
     """An implicit solver with fully integrated elements and its own contact, on the same kind of

@@ -84,6 +84,7 @@ def test_what_changes_by_more_than_five_per_cent_is_said_first(folder):
         (104.0, 0.9, False, "peak force on the target 104 N (+4.0 %)"),
         (94.0, 0.9, True, "94 N (-6.0 %)"),
         (100.001, 0.9, False, "100 N (unchanged)"),
+        (100.04, 0.9, False, "100 N (unchanged)"),  # the value of the best design
         (101.0, 1.1, True, "beyond a limit: wall_impulse_Ns 1.1, at most 1"),
         (None, 0.9, True, "no value"),
     ):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -18,6 +19,7 @@ from granwave.workflows.cli.main import main
 from granwave.workflows.cli.tables.scan_outcome import outcome_values
 from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.scanning.driver import ScanOutcome
+from tests.documents.pages import ROOT
 from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 SMALL = {"packing.size": "[8,8,5]"}
@@ -42,6 +44,22 @@ def check(
 
 def loaded(changes: dict[str, str]) -> Case:
     return load_case("fcc-small", [f"{key}={value}" for key, value in changes.items()])
+
+
+@pytest.mark.parametrize(
+    "case", ["fcc-small", "precompressed-chain", "fcc-striker", "half-space", "poured-small"]
+)
+def test_the_page_lists_all_values(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`check --json` prints no value that the page of the command does not explain."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", case, "--json"]) == 0
+    values = json.loads(capsys.readouterr().out)
+    page = (ROOT / "docs" / "howto" / "check.md").read_text(encoding="utf-8")
+    explained = set(re.findall(r"`(\w+)`", page))
+    assert len(values) >= 1
+    assert set(values) - explained == set()
 
 
 @pytest.mark.parametrize(

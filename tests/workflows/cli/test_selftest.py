@@ -16,7 +16,7 @@ from granwave.workflows.cli.main import main
 # computed apart from the package: Hertz and Thornton for two brass spheres of 10 mm, 1 m/s
 KNOWN = {
     "two spheres, Hertz: peak force": "207.201 N",
-    "two spheres, Hertz: contact": "39.5126 us",
+    "two spheres, Hertz: contact": "39.5126 µs",
     "plastic pair: peak force": "98.0419 N",
     "plastic pair: restitution": "0.41425",
 }

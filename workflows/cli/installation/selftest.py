@@ -244,7 +244,7 @@ def _hertz(scratch: Path) -> list[Check]:
         _number(
             "two spheres, Hertz: peak force", "N", stiffness * overlap**1.5, summary["peak_force_N"]
         ),
-        _number("two spheres, Hertz: contact", "us", 1e6 * duration, 1e6 * end),
+        _number("two spheres, Hertz: contact", "µs", 1e6 * duration, 1e6 * end),
     ]
 
 

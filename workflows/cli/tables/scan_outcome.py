@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from granwave.analysis.measures.law_range import contacts_beyond_law
 from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import Quantity, quantity, scan_columns
+from granwave.analysis.scans.headline import headline
 from granwave.analysis.scans.means import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
 from granwave.workflows.cli.terminal import columns, in_shell
@@ -66,6 +68,12 @@ def outcome_text(outcome: ScanOutcome) -> str:
                 f"plastic zone: {label} in {count} of {len(points)} points, as marked in "
                 "figures and report\n\n"
             )
+    beyond = sum(contacts_beyond_law(point.summary) > 0 for point in points)
+    if beyond:
+        text += (
+            f"contacts beyond the range of the law (0.2 R*) in {beyond} of {len(points)} points, "
+            "as marked in figures and report\n\n"
+        )
     counts = ", ".join(f"{getattr(outcome, name)} {name}" for name in ("done", "failed", "missing"))
     there = "the table"
     if (outcome.directory / "report.html").exists():
@@ -81,7 +89,7 @@ def _means_text(result: ScanResult) -> str:
     shown = [key for _, key in means.quantities()]
     if not shown:
         return ""
-    text = f"{means.sentence(shown[0])}\n\n"
+    text = f"{headline(means)}\n\n"
     if max(means.counts) < 2:
         return text
     units = [(key.naming.label, key.naming.unit) for key in means.keys]

@@ -69,6 +69,18 @@ def test_labels_name_the_support_before_the_law(tmp_path):
     ]
 
 
+def test_a_run_with_the_usual_values_has_a_description(tmp_path):
+    """Its label has these values, unless its name has one of them."""
+    changes = {"b1": {}, "fast": {"load__velocity": 9.0}, "large": {"packing__diameter": 4e-3}}
+    changes["b4"] = {}
+    for name, own in changes.items():
+        write_run(tmp_path / name, figures=False, **own)
+    runs = read_inputs([tmp_path / name for name in changes], tmp_path).runs
+    first, fast, *_ = [run.label for run in compared_runs(runs)]
+    assert fast == "fast: 9 m/s"
+    assert first.startswith("b1: ") and first.endswith("m/s")
+
+
 def test_labels_name_a_plate_and_an_early_end(tmp_path):
     """The table of a plate is longer than a label; an early end is named without another
     difference.
@@ -79,7 +91,7 @@ def test_labels_name_a_plate_and_an_early_end(tmp_path):
         write_run(tmp_path / name, figures=False, **own)
     runs = read_inputs([tmp_path / name for name in changes], tmp_path).runs
     labels = [run.label for run in compared_runs(runs)]
-    assert labels == ["a", "b: bottom plate", "c: until 80 µs"]
+    assert labels == ["a: bottom wall", "b: bottom plate", "c: until 80 µs"]
 
 
 def test_a_point_without_scatter_is_named_by_its_scatter(tmp_path):

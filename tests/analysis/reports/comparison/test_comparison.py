@@ -99,7 +99,7 @@ def test_nothing_is_left_out_without_a_name(place):
     """Packing and chain: each figure names the run that is missing, with the reason."""
     comparison = compared(place, "fcc", "chain")
     caption = comparison.caption("bottom_force")
-    assert "Not drawn: chain (the force on its bottom is not recorded)." in caption
+    assert "Not drawn: chain (it has no bottom)." in caption
     assert "Not drawn: chain (" in comparison.caption("peak_force_field")
     for name in comparison.wanted_figures:
         data = comparison.data(name)

@@ -111,3 +111,14 @@ def test_equal_values_are_not_among_the_largest_differences():
     other = ComparedValue("peak_force_N", (1.0,) * 7 + (2.0,), "Peak force", "N")
     assert shown_values([other, equal], 10, asked=False) == [other]
     assert shown_values([other, equal], 10, asked=True) == [other, equal]
+
+
+def test_the_table_has_the_values_that_sentences_state():
+    """Of the sizes of the zone it has those of the sentences, which are interpolated."""
+    depth = ComparedValue("zone_depth_90_m", (2.0, 3.0), "90 % depth", "m")
+    between = ComparedValue("zone_depth_90_interpolated_m", (1.8, 2.1), "interpolated", "m")
+    others = [ComparedValue(f"value_{n}", (1.0, 9.0), "Other", "") for n in range(12)]
+    values = [*others, depth, between]
+    shown = shown_values(values, 10, asked=False, stated=[between.name, depth.name])
+    assert shown == [*others[:9], between]
+    assert shown_values([depth], 10, asked=False) == [depth]  # of results of 1.0
