@@ -446,7 +446,8 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
                   "force first exceeds 10 % of its first pulse, a contact of a packing when the "
                   "force first exceeds 10 % of its largest value. Requires at least nine layers. "
                   "Null for parallel cylinders."),
-    Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
+    Quantity("impactor_velocity_m_s", "Impacted sphere or striker at the end",
+             short="sphere or striker at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative after a rebound. With "
                   "strikers, the velocity of the moving striker."),
     Quantity("restitution", digits=".5g", axis="Coefficient of restitution", symbol="e",

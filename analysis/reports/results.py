@@ -109,9 +109,6 @@ _OF_PACKINGS = {
     "unprotected_peak_force_N",
 }  # fmt: skip
 _OF_STRUCK = ("impactor_velocity_m_s",)
-_LOAD = "load.kind"
-_STRIKER = "striker"  # kind of load whose velocity is the striker's
-_STRIKER_AT_END = "Striker at the end"
 _OF_GROUND = ("ground_peak_force_N", "energy_target_J")
 #: Values relative to the load on the bare target, which have no meaning where it oscillates.
 _OF_TARGETS = (
@@ -191,8 +188,6 @@ def value_rows(run: ReportRun) -> DocumentTable:
     units = units_of_values(shown[:MOST_ROWS], [summary])
     for key, (unit, size) in units.items():
         label = label_of(key, called)
-        if key in _OF_STRUCK and run.case.get(_LOAD) == _STRIKER:
-            label = _STRIKER_AT_END
         name = Cell(label, label, meaning=meaning_in(key, called))
         rows.append((name, _result_cell(key, summary, size), Cell(unit)))
     columns = (

@@ -64,7 +64,10 @@ def _listed(notes: Sequence[Sequence[str]]) -> list[list[str]]:
             continue
         if text := _with_list(group):
             joined |= dict.fromkeys(group, text)
-    return [[joined.get(note, note) for note in of_row] for of_row in notes]
+    listed: list[list[str]] = []
+    for of_row in notes:
+        listed.append([joined.get(note, note) for note in of_row])
+    return listed
 
 
 def _with_list(notes: Sequence[str]) -> str:

@@ -37,8 +37,7 @@ def test_velocity_of_a_striker_is_along_its_direction(folder):
     assert summary["impactor_velocity_m_s"] == pytest.approx(velocity[0], rel=1e-12)
     (run,) = read_inputs([folder], folder).runs
     labels = [name.text for name, *_ in value_rows(run).rows]
-    assert "Striker at the end" in labels
-    assert "Impacted sphere at the end" not in labels
+    assert "Impacted sphere or striker at the end" in labels
 
 
 @pytest.mark.parametrize("sides", ["periodic", "free"])

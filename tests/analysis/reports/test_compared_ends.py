@@ -103,12 +103,12 @@ def test_other_cases_with_another_end_are_compared_by_complete_values(place):
 
 def test_the_velocity_at_an_arbitrary_end_is_no_main_result(place):
     """Not even with equal ends: a table of results omits it, unless it is requested."""
-    names = {"Impacted sphere at the end", "Kinetic energy"}
+    names = {"Impacted sphere or striker at the end", "Kinetic energy"}
     comparison = compared(place, "full", "fast")
     assert not names & {row[0].text for row in value_table(comparison).rows}
     assert "impacted sphere" not in comparison.sentence
     asked = compared(place, "full", "fast", quantities=["impactor_velocity_m_s"])
-    assert "impacted sphere at the end" in asked.sentence
+    assert "impacted sphere or striker at the end" in asked.sentence
     early = compared(place, "early", "full", quantities=["wall_impulse_Ns"]).sentence
     assert early.endswith(
         "No requested value is complete in early and full: an earlier end truncates it."
