@@ -27,7 +27,7 @@ from granwave.analysis.figures.style import (
     legend_above,
     new_figure,
 )
-from granwave.analysis.figures.user_axes import user_figure
+from granwave.analysis.figures.user_axes import SCALED_TEXT, user_figure
 from granwave.analysis.measures.contact_forces import (
     INSTANT,
     PEAK,
@@ -115,7 +115,7 @@ def contact_network(result: Result) -> Drawing | None:
         for axes in stack:
             axes.set_yticks([])  # there is little room for these labels
     else:
-        figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
+        figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8).set_label(SCALED_TEXT)
     stack[-1].set_xlabel(across_title(cut.plane))
     return Drawing(figure, columns)
 

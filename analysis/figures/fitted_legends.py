@@ -22,12 +22,11 @@ from granwave.analysis.figures.legends import (
 )
 from granwave.analysis.figures.titles import in_lines
 
-_SIZES = (8.0, 7.0, 6.0, 5.0)  # font sizes, points
+_SIZES = (8.0, 7.0, 6.0)  # font sizes, points; smaller text cannot be read in print
 _TALLEST = 0.38  # height of a legend above axes / height of the axes without it
 _LOW = 0.22  # such a height below which a legend stays above axes with space for it inside
 _WIDEST_INSIDE = 0.75  # width of a legend inside axes / width of the axes
 _TALLEST_INSIDE = 0.62  # height of a legend inside axes / height of the axes
-_SMALLEST_INSIDE = 6.0  # font size, points
 _MOST_LINES = 4  # in an entry
 _MOST_COLUMNS = 6
 _LONG = 0.5  # width of an entry / longest entry, from which it is broken into lines
@@ -67,15 +66,23 @@ def fit_legend(axes: Axes) -> bool:
 
 def narrow_above(axes: Axes) -> None:
     """Reduce the text of a legend above axes, which the layout may have made narrower, to their
-    width.
+    width; a legend with the smallest text gets fewer columns or more lines in its entries.
     """
     legend = axes.get_legend()
     if legend is None or not is_outside(axes, legend):
         return
     ratio = axes.bbox.width / legend.get_window_extent().width
-    if ratio < 1:
+    if ratio >= 1:
+        return
+    size = float(legend.get_texts()[0].get_fontsize())
+    smallest = min(size, _SIZES[-1])
+    if ratio * size >= smallest:
         for text in legend.get_texts():
-            text.set_fontsize(max(ratio * float(text.get_fontsize()), _SIZES[-1]))
+            text.set_fontsize(ratio * size)
+        return
+    content = content_of(axes, legend)
+    legend = _drawn_above(axes, content, _best_above(axes, content, [smallest]))
+    legend.set_in_layout(True)
 
 
 def _is_small(axes: Axes, legend: Legend) -> bool:
@@ -111,7 +118,7 @@ def _best_above(axes: Axes, content: Content, sizes: Sequence[float]) -> _Form:
     """Return the form of a legend above axes with the largest text with which it is no wider than
     the axes and not too tall, or with the lowest height.
     """
-    lowest = _Form(_SIZES[-1], 1, _MOST_LINES)
+    lowest = _Form(sizes[-1], 1, _MOST_LINES)
     least = float("inf")
     for forms in _forms(len(content.entries), sizes, _MOST_COLUMNS):
         for form in forms:
@@ -135,8 +142,6 @@ def _goes_inside(axes: Axes, content: Content, sizes: Sequence[float]) -> bool:
     """Draw a legend inside axes that covers no curve; return False if there is no place."""
     for forms in _forms(len(content.entries), sizes, 1):
         for form in forms:
-            if form.size < _SMALLEST_INSIDE:
-                return False
             inside = content.draw(axes, loc="upper right", fontsize=form.size)
             _break(inside, form.n_lines)
             extent = inside.get_window_extent()

@@ -147,8 +147,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("along_chain", chains.along_chain, "Peak force of the first wave above the static force, "
         "and dissipation, along the chain; crosses: larger forces later in the run",
      "Constant values: no decay. Open circles: a larger pulse may follow, after the reflection or "
-     "the end of the run. Open squares: a larger force (cross) followed. Triangles: still rising at "
-     "the reflection or the end of the run."),
+     "the end of the run. Open squares: a larger force (cross) followed. Triangles: still rising "
+     "at the reflection or the end of the run."),
     ("bead_velocities", chains.bead_velocities, "Velocities along the chain",
      "Each curve is the whole chain when the speed of one bead is first largest. The heights at "
      "these beads show the decay."),

@@ -38,6 +38,7 @@ from granwave.analysis.figures.style import (
     new_figure,
     trim_height,
 )
+from granwave.analysis.figures.user_axes import SCALED_TEXT
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures.geometry import Plane, SpheresOnPlane, own_plane, planes, section
 from granwave.analysis.measures.waves import front_arrivals, passage
@@ -129,8 +130,8 @@ def wave_front(result: Result) -> Drawing | None:
         axes.set_title(instant(time), pad=2)
     for axes in empty_panels:
         axes.set_visible(False)
-    figure.supxlabel(across_title(cut.plane), fontsize=8)
-    figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
+    figure.supxlabel(across_title(cut.plane), fontsize=8).set_label(SCALED_TEXT)
+    figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8).set_label(SCALED_TEXT)
     blank = "0" if result.case.precompression else "not reached, or 0"
     values = np.concatenate(forces)
     colour_bar(figure, panels + empty_panels, colouring, values, location="top", blank=blank)
@@ -227,7 +228,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         if cut.plane.through is None:
             draw_impact(axes, result, cut, window)
     if len(panels) > 1:
-        figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
+        figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8).set_label(SCALED_TEXT)
     else:
         panels[0].set_ylabel(f"{cut.plane.down_label} (mm)")
     panels[-1].set_xlabel(across_title(cut.plane))

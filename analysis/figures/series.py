@@ -42,6 +42,7 @@ from granwave.analysis.figures.user_axes import (
     fit_to_axes,
     laid_out,
     leave_layout,
+    match_font,
     match_text,
     plots_of,
     user_figure,
@@ -295,6 +296,7 @@ def draw_axes(
         if into:
             match_text(drawing.figure, into)
             fit_to_axes(cast(UserFigure, drawing.figure))
+            match_font(drawing.figure, into)  # legends that were drawn anew
     if not into:
         pyplot.figure(drawing.figure)
     plots = plots_of(drawing.figure)

@@ -29,7 +29,7 @@ _OTHER_MARKER = "x"  # marker of its points that no line joins
 _OTHER_ALPHA = 0.7
 SOLID = ", solid"  # end of the label of an axis with a second axis: style of its curve
 _FONT = 8  # font size of legends, points
-_SMALLEST = 5.0  # smallest font size of legends, points
+_SMALLEST = 6.0  # smallest font size of legends, points
 _WIDEST = 0.97  # width of a legend above the axes / width of the figure
 _PASSES = 2  # layouts for broken titles, which take room from each other
 _SIDES = ("left", "right", "bottom", "top", "wspace", "hspace")  # of the places of subplots
@@ -211,7 +211,8 @@ SCALED_TEXT = "title of granwave"
 
 
 def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
-    """Give second axes, colour bars and titles the text sizes of the first panel of the user.
+    """Give second axes, colour bars and titles the text sizes of the first panel of the user, and
+    all texts its font.
 
     Parameters
     ----------
@@ -230,6 +231,17 @@ def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
             axis.label.set_fontsize(label)
             if ticks:
                 axis.set_tick_params(labelsize=ticks[0].get_fontsize())
+    match_font(figure, panels)
+
+
+def match_font(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
+    """Give all texts of a figure the font of the first panel of the user."""
+    family = panels[0].xaxis.label.get_fontfamily()
+    for axes in figure.axes:
+        axes.tick_params(axis="both", which="both", labelfontfamily=family)
+    common = [text for text in figure.texts if text.get_label() == SCALED_TEXT]
+    for text in [*common, *figure.findobj(Text)]:
+        text.set_fontfamily(family)
 
 
 _drawn: WeakSet[Axes] = WeakSet()  # axes of users with figures of ours

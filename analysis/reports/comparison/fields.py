@@ -153,11 +153,9 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
 def scale_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
     """Return a sentence if the sections are not on one scale of lengths."""
     windows = [field.window(0.0) for field in fields.values()]
-    return (
-        "Each section is cropped to its packing, and has its own scale of lengths."
-        if _differ_in_size(windows)
-        else ""
-    )
+    if not _differ_in_size(windows):
+        return ""
+    return "Each section is cropped to its packing, and has its own scale of lengths."
 
 
 def _differ_in_size(windows: Sequence[Window]) -> bool:

@@ -110,6 +110,18 @@ def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Draw
     return Drawing(figure, columns)
 
 
+def _like_first(impacts: Impacts) -> list[DataFrame]:
+    """Return the curves of packings of the reference material, by diameter and loading area."""
+    constants = ["youngs_modulus", "poisson_ratio", "density", "yield_strength"]
+    first = impacts.reference.iloc[0][constants]
+    return [runs for runs in variants(impacts).values() if runs.iloc[0][constants].equals(first)]
+
+
+def drawn_fractions(impacts: Impacts) -> DataFrame:
+    """Return the runs that `dissipated_fraction` draws."""
+    return pd.concat([*_like_first(impacts), *masses(impacts).values()])
+
+
 def dissipated_fraction(impacts: Impacts) -> Drawing:
     """Draw the dissipated fraction of packings and blocks against the input energy in units of
     sigma_y^2 D^3/E, where D is the diameter of the punch.
@@ -120,12 +132,7 @@ def dissipated_fraction(impacts: Impacts) -> Drawing:
     first = impacts.reference.iloc[0]
     unit = energy_unit(first, impacts.continuum_reference.diameter.iloc[0])
     figure, axes = panels(2.8)
-    constants = ["youngs_modulus", "poisson_ratio", "density", "yield_strength"]
-    like = [
-        runs
-        for runs in variants(impacts).values()
-        if runs.iloc[0][constants].equals(first[constants])
-    ]
+    like = _like_first(impacts)
     curves = {
         f"granular, D = {1e3 * runs.diameter.iloc[0]:.4g} mm": runs.assign(
             energy_normalised=runs.energy_J / unit

@@ -154,7 +154,8 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     grains = impacts.reference
     blocks = impacts.continuum_reference
     if len(grains) and len(blocks):
-        yield _picture("dissipated_fraction", figures.dissipated_fraction, impacts)
+        picture = _picture("dissipated_fraction", figures.dissipated_fraction, impacts)
+        yield figures.with_runs(picture, figures.drawn_fractions(impacts), "")
         shown = _dissipating(grains, _GRANULAR_SHOWN)
         resolved = blocks[blocks.resolved]
         if len(shown) and len(resolved):

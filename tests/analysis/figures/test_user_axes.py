@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from matplotlib import pyplot
+from matplotlib import pyplot, rc_context
+from matplotlib.text import Text
 
 from granwave.analysis import analyse
 from granwave.analysis.errors import MissingDataError
@@ -232,3 +233,18 @@ def test_formulas_are_not_broken():
     text = in_lines("Peak force $F / F_y$ of the layer", 3)
     assert text == "Peak force\n$F / F_y$ of\nthe layer"
     assert in_lines("$a b$", 2) == "$a b$"
+
+
+@pytest.mark.parametrize("name", ["peak_force_depth", "peak_force_principal", "energies"])
+def test_texts_have_one_font_and_a_readable_size(runs, name):
+    """In a panel of a double column next to another, with a serif font of 8 points."""
+    with rc_context({"font.family": "serif", "font.size": 8}):
+        figure = pyplot.figure(figsize=(7.0, 2.6), layout="constrained")
+        grid = figure.subplots(1, 3)
+        panels = list(grid[:2]) if name == "energies" else grid[0]
+        runs[0].figure(name, ax=panels)
+        figure.draw_without_rendering()
+    texts = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
+    assert {text.get_fontname() for text in texts} == {"DejaVu Serif"}
+    assert min(text.get_fontsize() for text in texts) >= 6
+    pyplot.close(figure)

@@ -10,6 +10,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import against_time, column_name, label
 from granwave.analysis.figures.style import Drawing
+from granwave.analysis.figures.user_axes import SCALED_TEXT
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
@@ -76,7 +77,7 @@ def draw_energies(
                 mark_start(axes, float(curves[run][form].y[0]), colour)
     label_lowest(stack, len(curves), "Time (µs)")
     if not is_in_a_row(len(curves)):
-        figure.supylabel("Energy / input", fontsize=8)
+        figure.supylabel("Energy / input", fontsize=8).set_label(SCALED_TEXT)
     legend_above(figure)
     return Drawing(figure, columns)
 

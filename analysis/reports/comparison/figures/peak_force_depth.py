@@ -102,8 +102,8 @@ def median_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
         return ""
     if len(names) == len(peaks):
         return (
-            "No panel of the medians: in every run more than half of the spheres of each layer stay "
-            "at rest."
+            "No panel of the medians: in every run more than half of the spheres of each layer "
+            "stay at rest."
         )
     listed = named(names, len(names))
     return f"No median, since more than half of the spheres of each layer stay at rest: {listed}."
