@@ -116,9 +116,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("plastic_zone_size", plastic_zone.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a depth, and beyond a radius about the "
      "impact axis",
-     "The curves reach 0.1 at the 90 % depth and radius, which are those of whole layers and "
-     "shells, not interpolated. The horizontal axis ends where less "
-     "than 1e-5 of the total is beyond."),
+     "The curves reach 0.1 at the 90 % depth and radius of whole layers and shells. The axis ends "
+     "where less than 1e-5 is beyond."),
     ("energies", histories.energies, "Energies and the error of their balance",
      "A constant dissipated energy shows that no contact dissipates any more; the residual is the "
      "error of the balance."),
@@ -146,9 +145,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "in the legend."),
     ("along_chain", chains.along_chain, "Peak force of the first wave above the static force, "
         "and dissipation, along the chain; crosses: larger forces later in the run",
-     "Constant values: no decay. Open circles: a larger pulse may follow, after the reflection or "
-     "the end of the run. Open squares: a larger force (cross) followed. Triangles: still rising "
-     "at the reflection or the end of the run."),
+     "Constant values: no decay. Open circles: a larger pulse may follow. Open squares: one "
+     "followed. Triangles: still rising."),
     ("bead_velocities", chains.bead_velocities, "Velocities along the chain",
      "Each curve is the whole chain when the speed of one bead is first largest. The heights at "
      "these beads show the decay."),

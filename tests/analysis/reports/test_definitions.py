@@ -131,7 +131,7 @@ def test_heights_that_differ_are_named(tmp_path):
     assert noted("low", "equal") == []
 
 
-@pytest.mark.parametrize(("ratio", "scale"), [(10.0, "linear"), (100.0, "log")])
+@pytest.mark.parametrize(("ratio", "scale"), [(5.0, "linear"), (10.0, "log"), (100.0, "log")])
 def test_a_small_force_is_not_hidden(comparison, ratio, scale):
     time = np.linspace(0, 1e-4, 50)
     small = SampledCurve(time, np.sin(np.pi * time / 1e-4))

@@ -66,10 +66,11 @@ def labels(*cases):
 
 
 def test_labels_omit_the_value_of_most_runs():
+    """A run with the values of most runs has one of them, since a bare name says nothing."""
     case = {"packing.kind": "fcc", "load.velocity": 5.0, "contact.friction": 0.0}
     fast = case | {"load.velocity": 20.0}
     rough = case | {"contact.friction": 0.3}
-    assert labels(case, fast, rough) == ["a", "b: 20 m/s", "c: friction 0.3"]
+    assert labels(case, fast, rough) == ["a: 5 m/s", "b: 20 m/s", "c: friction 0.3"]
     assert labels(case, fast) == ["a: 5 m/s", "b: 20 m/s"]
 
 

@@ -173,17 +173,25 @@ def test_the_kinetic_energy_of_a_block_includes_the_punch_in_the_figure(block_an
 
 
 def test_curves_on_a_logarithmic_axis_start_at_their_first_record(block_and_packing):
-    """A point at time zero would be drawn as a flat line from the edge of the panel."""
+    """A point at time zero would be drawn as a flat line from the edge of the panel; a mark at the
+    edge has its value.
+    """
     with style():
         panels = block_and_packing.drawing("energies").figure.axes
     for axes in panels:
         assert axes.get_xscale() == "log"
-        for line in axes.lines:
+        curves = [line for line in axes.lines if len(line.get_xdata()) > 1]
+        marks = [line for line in axes.lines if len(line.get_xdata()) == 1]
+        for line in curves:
             time = line.get_xdata()
             assert time[0] == 0 and time[1] > 0
             shown = axes.transData.transform(line.get_xydata())
             assert not (abs(shown[0]) < float("inf")).all()
             assert (abs(shown[1:]) < float("inf")).all()
+        left = axes.get_xlim()[0]
+        assert {mark.get_xdata()[0] for mark in marks} == {left}
+        values = [curve.get_ydata()[0] for curve in curves]
+        assert sorted(mark.get_ydata()[0] for mark in marks) == pytest.approx(sorted(values))
 
 
 def test_force_on_the_bottom_of_a_block_is_not_recorded(block_and_packing):
