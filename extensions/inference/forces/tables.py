@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from granwave.analysis.quantities import Quantity
 from granwave.analysis.summary_table import lines
 from granwave.analysis.versions import versions_of
+from granwave.lammps_inputs.rounding import without_rounding
 
 if TYPE_CHECKING:
     from granwave.extensions.inference.forces.infer import Inference
@@ -92,7 +93,7 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
     known = one.spread is not None or one.settings.deviations.complete(one.grains)
     weighted = known and one.weights != "equal" and one.n_free > 0
     modulus = None if one.grains.modulus is None else float(one.grains.modulus[0]) * one.factor
-    return {
+    values = {
         "time_s": time,
         "n_grains": len(one.grains),
         "n_contacts": len(one.contacts),
@@ -110,6 +111,7 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
         "youngs_modulus_Pa": modulus,
         "youngs_modulus_error_Pa": _modulus_error(one, modulus),
     }
+    return without_rounding(values)
 
 
 def _n_significant(one: Inference, loaded: NDArray[np.bool_]) -> int | None:

@@ -291,16 +291,19 @@ def test_figures_of_zones_have_open_marks(scan):
     )
 
 
-def test_bars_of_cut_zones_are_open(tmp_path):
+def test_bars_of_cut_zones_have_an_open_circle(tmp_path):
+    """The circle is at the end of the bar, which keeps its colour."""
     write_scan(tmp_path, grid(packing__kind=["fcc", "hcp"]))
     for n, changes in enumerate((FREE, CUT)):
         path = ScanResult(tmp_path).points[n].directory / "summary.json"
         path.write_text(json.dumps(json.loads(path.read_text()) | sizes_of(n) | changes))
     figure = drawings(ScanResult(tmp_path))["zone_depth_90_vs_packing_kind"].figure
-    assert [to_hex(bar.get_facecolor()) == "#ffffff" for bar in figure.axes[0].patches] == [
-        False,
-        True,
-    ]
+    bars = figure.axes[0].patches
+    assert bars[0].get_facecolor() == bars[1].get_facecolor()
+    (mark,) = [line for line in figure.axes[0].lines if line.get_marker() == "o"]
+    assert to_hex(mark.get_markerfacecolor()) == "#ffffff"
+    assert mark.get_xdata() == pytest.approx([bars[1].get_width()])
+    assert mark.get_ydata() == pytest.approx([bars[1].get_y() + bars[1].get_height() / 2])
     assert [text.get_text() for text in figure.legends[0].get_texts()] == [LABELS[Mark.CUT]]
 
 
