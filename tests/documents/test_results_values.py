@@ -10,6 +10,7 @@ import pytest
 
 from granwave.analysis.figures.style import style
 from tests.documents.pages import extension
+from tests.helpers.selection import with_every_test
 
 extension("results_chosen")
 extension("results_stored")
@@ -199,13 +200,7 @@ def test_the_figure_of_values_is_of_the_stored_rows(name):
     assert f"The figure shows {page.number()} of the {page.total} values" in text
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        name if name in DENSE else pytest.param(name, marks=pytest.mark.validation)
-        for name in WITH_PANELS
-    ],
-)
+@pytest.mark.parametrize("name", with_every_test(WITH_PANELS, DENSE))
 def test_all_texts_are_inside_the_figure(name):
     """No title or label is cut off at an edge, and no title of a curve covers another."""
     with style():

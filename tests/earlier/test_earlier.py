@@ -28,6 +28,7 @@ from granwave.lammps_inputs.run_directory import FORMAT, MARKER
 from granwave.workflows.cli.main import main
 from granwave.workflows.run.directory import RunDirectory
 from tests.earlier import promised
+from tests.helpers.selection import with_every_test
 
 pytestmark = pytest.mark.xdist_group("earlier")  # its fixtures are made once
 
@@ -77,6 +78,7 @@ def test_scans_are_loaded(earlier):
     assert list(table["peak_force_N"]) == pytest.approx(forces, rel=1e-9) and forces[0] < forces[1]
 
 
+@pytest.mark.parametrize("earlier", with_every_test(VERSIONS, ("0.1.0", WITH_DUMPS)), indirect=True)
 def test_report_of_all(earlier):
     report = earlier / "report.html"
     assert (
@@ -87,6 +89,7 @@ def test_report_of_all(earlier):
     assert "impact velocity" in page and "chain of 6" in page and "could not be" not in page
 
 
+@pytest.mark.parametrize("earlier", with_every_test(VERSIONS, ("0.1.0", WITH_DUMPS)), indirect=True)
 def test_figures_film_page_and_tables(earlier):
     for name in ("run", "chain"):
         place = earlier / name

@@ -18,6 +18,7 @@ import pytest
 
 from granwave.workflows.run import leftovers
 from tests.conftest import BIN, PLAIN
+from tests.helpers.selection import with_every_test
 from tests.hostile.rows import faults_in
 
 TINY = ["fcc-small", "--set", "packing.size=[4,4,3]", "--set", "run.end_time=2e-5"]
@@ -75,7 +76,7 @@ def test_without_standard_streams(tmp_path: Path, closed: bool) -> None:
     assert json.loads((tmp_path / "outcome.json").read_text()) == [48, 2, 0]
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", with_every_test([1, 2], [2]))
 def test_what_a_killed_run_leaves_goes_with_the_next(tmp_path: Path, ranks: int) -> None:
     process = start(tmp_path, "run", *LONG, "-o", "out", "--np", str(ranks))
     temporary = tmp_path / "temporary"
@@ -107,7 +108,7 @@ def test_what_others_use_or_made_stays(tmp_path: Path, monkeypatch: pytest.Monke
     assert left == {"granwave-of-others", "granwave-link"}
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", with_every_test([1, 2], [2]))
 def test_a_terminal_that_closes_stops_a_run_with_a_checkpoint(tmp_path: Path, ranks: int) -> None:
     process = start(tmp_path, "run", *LONG, "-o", "out", "--np", str(ranks))
     wait_until(lambda: at_work(tmp_path))

@@ -14,6 +14,7 @@ import pytest
 from tests.conftest import script_of
 from tests.helpers.bodies.rubbing import BRASS, HERTZ, MU, packing, rubbing, same, state
 from tests.helpers.bodies.two_spheres import BOX, PAIR, R, value
+from tests.helpers.selection import with_every_test
 
 HEADS_ON = [(0, 0, 1.0), (0, 0, -1.0)]
 LINE = [(0, 0, 0), (0, 0, 2 * R + 1e-5), (0, 0, 4 * R + 2e-5)]
@@ -200,7 +201,9 @@ LAWS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize(
+    "name", with_every_test(LAWS, ("loss, then rolling", "cohesion, then loss", "the same series"))
+)
 def test_other_laws_after_a_restart_beside_a_processor_without_spheres(lmp, log_of, tmp_path, name):
     """Both processors stop, or both continue, although only one of them knows the content of the
     file.

@@ -12,6 +12,7 @@ import pytest
 from tests.conftest import printed, script_of
 from tests.helpers.bodies.rubbing import BRASS, HERTZ, MU, rubbing
 from tests.helpers.bodies.two_spheres import DRIVEN, LAW, PAIR, REPORT, R
+from tests.helpers.selection import with_every_test
 from tests.plugins.fixes.test_holder_and_damping import bar
 from tests.plugins.test_packings import ROLLS, SLIPS, text_of
 
@@ -131,13 +132,6 @@ MIDDLE = 0.5
 ABOVE_ALL = 0.95  # spheres: the second of two processors has none
 
 
-def quick_and_others(quick):
-    """Return all runs as parameters; those that are not quick are validations."""
-    return [
-        name if name in quick else pytest.param(name, marks=pytest.mark.validation) for name in RUNS
-    ]
-
-
 def divided_at(script: str, height: float) -> str:
     """Divide the box across z, at a fraction of its height."""
     divided, number = re.subn("\nfix ", f"\nbalance 1.0 z {height}\nfix ", script, count=1)
@@ -145,7 +139,7 @@ def divided_at(script: str, height: float) -> str:
     return f"processors 1 1 2\n{divided}"
 
 
-@pytest.mark.parametrize("name", quick_and_others(SHORT))
+@pytest.mark.parametrize("name", with_every_test(RUNS, SHORT))
 def test_the_same_bits(log_of, tmp_path, name):
     """On one processor, where LAMMPS sends velocities of ghosts across periodic boundaries, and on
     two, where the pair style does.
@@ -153,7 +147,7 @@ def test_the_same_bits(log_of, tmp_path, name):
     compare(log_of, tmp_path, name, one_is_empty=False)
 
 
-@pytest.mark.parametrize("name", quick_and_others(ALSO_EMPTY))
+@pytest.mark.parametrize("name", with_every_test(RUNS, ALSO_EMPTY))
 def test_the_same_bits_where_one_is_empty(log_of, tmp_path, name):
     """On two processors, of which one has no spheres or both have some. The command that divides a
     tilted box rounds the coordinates.

@@ -11,6 +11,7 @@ from granwave.analysis.measures.signals import arrival, first_peak
 from granwave.analysis.measures.waves import front_arrivals, wave_speed_of
 from granwave.analysis.result.reader import Result
 from granwave.workflows import load_case, run_case
+from tests.helpers.selection import with_every_test
 
 DOWN = np.array([0.0, 0.0, 1.0])
 #: Aluminium beads that yield: a larger pulse follows, and the reflection is larger than both.
@@ -40,7 +41,7 @@ def run(directory, name, changes):
     return Result(directory)
 
 
-@pytest.mark.parametrize("name", CHANGES)
+@pytest.mark.parametrize("name", with_every_test(CHANGES, ("elastoplastic", "static")))
 def test_a_front_along_a_chain_has_one_speed(tmp_path, name):
     """All ends are after the first pulse at the last contact."""
     speeds = []

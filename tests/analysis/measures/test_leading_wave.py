@@ -19,6 +19,7 @@ from granwave.analysis.measures.regions import WHOLE, stretches, usual_regions
 from granwave.analysis.result.reader import Result
 from granwave.analysis.summary import summarise
 from granwave.workflows import load_case, run_case
+from tests.helpers.selection import with_every_test
 
 CHAIN = {
     "material": "steel",
@@ -73,14 +74,6 @@ N_SHORT = 25
 N_LONG = 110
 
 
-def selected(names, *of_every_test):
-    """Return parameters: a few of every run of the tests, the others of `make validate`."""
-    return [
-        name if name in of_every_test else pytest.param(name, marks=pytest.mark.validation)
-        for name in names
-    ]
-
-
 def twins(directory, changes):
     """Return the known peaks of a chain, those of all contacts before the reflection, and the peaks
     of the same contacts of a chain whose end the wave has not reached, or where it arrives later.
@@ -97,7 +90,7 @@ def twins(directory, changes):
     return known, so_far, long
 
 
-@pytest.mark.parametrize("name", selected(TWINS, "steel", "free", "static", "pulse"))
+@pytest.mark.parametrize("name", with_every_test(TWINS, ("steel", "free", "pulse")))
 def test_known_peaks_are_those_of_a_long_chain(tmp_path, name):
     """A trailing pulse can be larger than the first one, and can come after the reflection."""
     known, _, long = twins(tmp_path, TWINS[name])
@@ -143,7 +136,7 @@ def test_fit_and_figure_leave_out_what_is_not_known(tmp_path):
     assert lines["first wave"].get_xdata() == pytest.approx(np.flatnonzero(wave.is_known) + 1)
 
 
-@pytest.mark.parametrize("name", selected(LIKE_STEEL, "steel", "static"))
+@pytest.mark.parametrize("name", with_every_test(LIKE_STEEL, ("steel", "static")))
 def test_speed_of_the_front_is_that_of_a_long_chain(tmp_path, name):
     """Arrivals are at a tenth of the largest force of the run, which later pulses change."""
     changes = YIELDING | TWINS[name]

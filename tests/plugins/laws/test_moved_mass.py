@@ -16,6 +16,7 @@ from granwave._contact_laws import ContactLaw
 from tests.conftest import printed, script_of
 from tests.helpers.bodies.rubbing import same, state
 from tests.helpers.bodies.two_spheres import BOX, MASS, PAIR, R, value
+from tests.helpers.selection import with_every_test
 from tests.plugins.test_going_on import resumed
 
 HERTZ = "hertz 115e9 0.3"
@@ -154,15 +155,9 @@ CROSSING = {
 }
 
 
-LONG_CROSSINGS = ("held in motion", "frozen")  # validations; "held" has the same path
-
-
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.validation] if name in LONG_CROSSINGS else [])
-        for name in CROSSING
-    ],
+    with_every_test(CROSSING, ["held"]),
 )
 def test_two_processors(log_of, name) -> None:
     hold, left = CROSSING[name]

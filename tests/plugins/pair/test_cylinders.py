@@ -170,6 +170,7 @@ def test_sphere_between_cylinders(lammps):
     assert np.abs(found[:9] - wanted[:9]).max() < 1e-9
 
 
+@pytest.mark.validation
 def test_ranks_and_restart_alike(log_of, tmp_path):
     """With friction, bitwise identical: one and two processors, and a run in two parts."""
     comm = "comm_modify vel yes\n"

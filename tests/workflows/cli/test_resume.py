@@ -22,6 +22,7 @@ from granwave.workflows.run.directory import RunDirectory
 from tests.conftest import PLAIN
 from tests.helpers.made_up.run_files import summary, without_clock
 from tests.helpers.programs.processes import wait_for
+from tests.helpers.selection import with_every_test
 
 pytestmark = pytest.mark.xdist_group("resume")  # its fixtures are made once
 
@@ -108,10 +109,7 @@ def compare(whole, resumed):
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[] if case is LONG else pytest.mark.validation)
-        for name, (case, *_) in KILLED.items()
-    ],
+    with_every_test(KILLED, ["one rank"]),
 )
 def test_a_killed_run_ends_with_the_same_bits(request, tmp_path: Path, name: str) -> None:
     case, before, after = KILLED[name]

@@ -97,6 +97,7 @@ def test_a_sphere_on_one_that_is_held_aside(tmp_path) -> None:
         assert found == pytest.approx(speed, abs=2e-5), directions
 
 
+@pytest.mark.validation
 def test_ranks_and_a_resumed_run(granwave, tmp_path) -> None:
     words = [
         "run", "two-spheres", "--no-figures", "--set=packing.size=2", "--set=boundary.bottom=fixed",

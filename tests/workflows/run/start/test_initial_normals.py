@@ -63,6 +63,7 @@ def test_a_chain_has_the_same_directions_anyway(tmp_path: Path) -> None:
     np.testing.assert_allclose(*peaks, rtol=1e-9)
 
 
+@pytest.mark.validation
 def test_ranks(granwave, tmp_path: Path) -> None:
     """The same bits on two ranks; after a stop: tests/workflows/cli/test_resume.py."""
     sets = [

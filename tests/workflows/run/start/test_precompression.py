@@ -370,6 +370,7 @@ class TestContinuation:
             len(forces) and np.array_equal(forces, cut[name]) for name, forces in whole.items()
         )
 
+    @pytest.mark.validation
     def test_two_ranks(self, granwave, tmp_path: Path) -> None:
         case = make(
             "fcc",
