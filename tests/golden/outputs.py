@@ -91,12 +91,12 @@ def digest(text: str) -> dict[str, Any]:
     }
 
 
-def write_decks(place: Path) -> dict[str, dict[str, Any]]:
-    """Write the decks of all built-in cases below ``place``; returns digests of all files except
-    the scripts.
+def write_decks(place: Path, names: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Write the decks of built-in cases below ``place``; returns digests of all files except the
+    scripts.
     """
     digests: dict[str, dict[str, Any]] = {}
-    for name in granular_cases():
+    for name in names:
         deck = write_deck(load_case(name), place / name)
         files = sorted(
             path for path in deck.directory.iterdir() if path.is_file() and path.name != SCRIPT_FILE
@@ -130,7 +130,7 @@ def main() -> None:
     names.write()
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
-        digests = write_decks(place / "decks")
+        digests = write_decks(place / "decks", granular_cases())
         for name in digests:
             (FOLDER / f"{name}.in").write_text(
                 (place / "decks" / name / SCRIPT_FILE).read_text(encoding="utf-8")
