@@ -31,6 +31,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 
 STRONGEST = 0.05  # fraction of the largest amplitude, for a ridge
+_FEWEST_PLACES = 2
 _POINTS = 101  # wave vectors of the bands
 _FREQUENCIES = 601
 _LEAST_LEVEL = -60.0  # dB
@@ -94,9 +95,11 @@ def transform_along(result: Result, structure: BandStructure) -> SpaceTime:
     MissingDataError
         The run of a chain has no history.
     ValueError
-        The positions along the line are not uniform.
+        The positions along the line are not uniform, or there is only one.
     """
     time, place, velocity = velocities_along(result, 0 if is_along_x(result.case) else 2)
+    if len(place) < _FEWEST_PLACES:
+        raise ValueError(f"found {len(place)} place along the line, expected two or more")
     top = 1.2 * float(np.nanmax(structure.bands.frequency))
     k = np.linspace(0.02, 1, 99) * math.pi / float(np.diff(place).mean())
     return space_time_transform(time, place, velocity, k, np.linspace(0, top, _FREQUENCIES))

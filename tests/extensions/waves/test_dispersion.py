@@ -68,3 +68,11 @@ def test_it_is_drawn_by_name_only():
 def test_a_packing_without_static_load_has_no_bands(tmp_path, options):
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(**options)))
     assert drawn(tmp_path) is None
+
+
+def test_a_single_bead_has_no_transform(tmp_path, recwarn):
+    single = CHAIN | {"packing": CHAIN["packing"] | {"size": 1}}
+    run_case(case_from_dict(single), tmp_path, figures=False)
+    with Result(tmp_path) as result:
+        assert run_figures()["dispersion"].draw(result) is None
+    assert not recwarn.list
