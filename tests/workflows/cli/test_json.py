@@ -47,7 +47,14 @@ def loaded(changes: dict[str, str]) -> Case:
 
 
 @pytest.mark.parametrize(
-    "case", ["fcc-small", "precompressed-chain", "fcc-striker", "half-space", "poured-small"]
+    "case",
+    [
+        "fcc-small",
+        "precompressed-chain",
+        "fcc-striker",
+        pytest.param("half-space", marks=pytest.mark.needs_extension("continuum")),
+        pytest.param("poured-small", marks=pytest.mark.needs_extension("packings")),
+    ],
 )
 def test_the_page_lists_all_values(
     case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

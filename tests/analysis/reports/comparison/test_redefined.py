@@ -63,6 +63,7 @@ def test_a_requested_value_is_shown_without_ratio(tmp_path):
     assert not any("wave speed" in note for note in other.notes)
 
 
+@pytest.mark.needs_extension("continuum")
 def test_peak_forces_on_blocks_of_two_definitions_have_no_ratio(tmp_path):
     blocks = []
     for version, force in (("1.0.0", 3003.0), ("1.1.0", 2699.0)):
