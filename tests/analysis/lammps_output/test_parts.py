@@ -40,7 +40,10 @@ from tests.helpers.made_up import synthetic
 from tests.helpers.made_up.run_files import without_checksums
 from tests.helpers.programs.several_processes import SeveralProcesses
 
-pytestmark = pytest.mark.xdist_group("parts")  # its fixtures are made once
+pytestmark = [
+    pytest.mark.xdist_group("parts"),
+    pytest.mark.validation,
+]  # its fixtures are made once
 
 RUN = {"end_time": 6e-5, "frames": 3}
 IN_PARTS = {"parts": True, "dump_format": "binary"}

@@ -102,6 +102,7 @@ def test_rebound_from_an_elastic_block(mass, error):
     assert found["dissipated_fraction"] == 0
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("mass", [0.00445, 0.02])
 def test_viscosity_does_not_change_the_contact(mass):
     """Without viscosity and with twice as much the punch rebounds in the same way."""

@@ -58,7 +58,10 @@ punch.mass = [0.1, 0.1, 0.1, 0.01, 0.1]
 punch.velocity = [8, 12, 16, 37.94733, 11.31371]
 material.youngs_modulus = [115e9, 115e9, 115e9, 115e9, 230e9]
 """
-pytestmark = pytest.mark.xdist_group("comparison")  # the suite is made by one process only
+pytestmark = [
+    pytest.mark.xdist_group("comparison"),
+    pytest.mark.validation,
+]  # the suite is made by one process only
 SUITE = 'name = "small"\nscans = ["granular.toml", "continuum.toml"]\n'
 
 

@@ -200,6 +200,7 @@ def test_mesh_is_that_of_a_half_sphere():
 # --- contact
 
 
+@pytest.mark.validation
 def test_elastic_spheres_are_hertzian():
     """Agreement from half the largest overlap on; half-spheres are up to 1 % stiffer at this
     contact radius, 0.02 R.
@@ -228,6 +229,7 @@ def brass(tmp_path_factory):
     return directory, summary
 
 
+@pytest.mark.validation
 def test_energy_is_balanced_and_nothing_moves(brass):
     _, summary = brass
     assert summary["energy_balance_error"] < 0.01
@@ -238,6 +240,7 @@ def test_energy_is_balanced_and_nothing_moves(brass):
     assert summary["max_overlap_m"] == pytest.approx(0.1 * RADIUS, rel=2e-3)
 
 
+@pytest.mark.validation
 def test_law_is_met(brass):
     """Beyond the transition from Hertz's law; within it the force of the law is up to 16 % too low,
     also on fine meshes.
@@ -250,6 +253,7 @@ def test_law_is_met(brass):
         assert abs(summary[f"contact_radius_deviation_{label}_rms_percent"]) < 6
 
 
+@pytest.mark.validation
 def test_unloading_is_elastic(brass):
     _, summary = brass
     assert summary["reloading_difference_percent"] < 2.5
@@ -257,6 +261,7 @@ def test_unloading_is_elastic(brass):
     assert 1.28 < summary["unloading_exponent_min"] < summary["unloading_exponent_max"] < 1.48
 
 
+@pytest.mark.validation
 def test_files(brass):
     directory, summary = brass
     case = SphereContactCase.load(directory / "case.toml")

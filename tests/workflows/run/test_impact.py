@@ -114,7 +114,9 @@ HARD = ("load.velocity=40", "run.timestep=1e-7", "run.end_time=3e-5")
             ),
         ),
         (2, ("boundary.sides=periodic",)),
-        (2, (*HARD, "load.spheres=7", "boundary.sides=wall")),
+        pytest.param(
+            2, (*HARD, "load.spheres=7", "boundary.sides=wall"), marks=pytest.mark.validation
+        ),
         # slow with more ranks than cores: few steps
         pytest.param(3, (*HARD, "boundary.sides=periodic"), marks=pytest.mark.validation),
         pytest.param(
