@@ -67,7 +67,7 @@ def test_an_axis_of_energies_shows_a_run_that_still_changes(pair):
 
 
 def test_times_of_changes():
-    """Of a curve that starts to change late, that stops to change, and that never changes."""
+    """Curves that start to change late, stop to change, or never change."""
     time = np.arange(11.0)
     ramp = SampledCurve(time, np.clip(time - 4, 0, 3))
     assert first_change(ramp) == 4

@@ -114,7 +114,7 @@ def test_equal_values_are_not_among_the_largest_differences():
 
 
 def test_the_table_has_the_values_that_sentences_state():
-    """Of the sizes of the zone it has those of the sentences, which are interpolated."""
+    """The table shows the interpolated sizes of the zone, as the sentences do."""
     depth = ComparedValue("zone_depth_90_m", (2.0, 3.0), "90 % depth", "m")
     between = ComparedValue("zone_depth_90_interpolated_m", (1.8, 2.1), "interpolated", "m")
     others = [ComparedValue(f"value_{n}", (1.0, 9.0), "Other", "") for n in range(12)]
