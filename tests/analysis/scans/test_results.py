@@ -379,6 +379,18 @@ def test_wave_speed_takes_the_arrivals_of_deep_layers(tmp_path):
     assert summarise(tmp_path)["wave_speed_m_s"] == pytest.approx(1000.0, rel=1e-9)
 
 
+def test_wave_arrives_at_a_layer_with_its_first_contact(tmp_path):
+    """Two spheres per layer: contacts of the sphere beside the axis are loaded later."""
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("sc", (2, 1, 16))))
+    with Result(tmp_path) as result:
+        depth, arrival = front_arrivals(result)
+        first = result["contacts/time_first"]
+        beside = first[np.isin(result["contacts/i"], result["spheres/id"][2:4])]
+    assert beside.max() > 1.5 * beside.min()
+    assert np.isfinite(arrival[:8]).all()  # the run ends before the deeper layers
+    assert arrival[1:8] == pytest.approx((depth[1:8] - 0.005) / 1000.0, rel=1e-9)
+
+
 def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):
     """Nesterenko's speed of a solitary wave with the peak force of the chain."""
     settings = [
