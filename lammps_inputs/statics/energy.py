@@ -25,6 +25,7 @@ DIRECT_UP_TO = 1500  # unknowns; larger systems use conjugate gradients, except 
 SOFT = 1e-10  # stiffness added to all unknowns / mean stiffness, for motions without resistance
 _OF_A_ROW = 6  # entries per unknown of a row of grains
 _SLENDER = 120  # bandwidth of a slender packing, of some 6 x 6 grains across
+_PIVOT = 0.1  # smallest pivot on the diagonal / largest entry of its column, indefinite matrices
 ROUNDING = 16  # net force by rounding / (stiffness times the rounding error of a coordinate)
 
 
@@ -212,12 +213,23 @@ def smoothed_overlaps(overlap: Array, smoothing: float) -> tuple[Array, Array]:
     return positive, positive / root
 
 
-def factorised(matrix: sparse.sparray) -> Any:
+def factorised(matrix: sparse.sparray, *, pivots: bool = False) -> Any:
     """Factorise a matrix with a symmetric pattern; SuperLU's default ordering gives ten times as
     much fill-in.
+
+    Parameters
+    ----------
+    pivots
+        True for an indefinite matrix, whose diagonal may vanish. Without pivots its solutions are
+        wrong without an error.
     """
-    options = {"SymmetricMode": True}
-    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    threshold = _PIVOT if pivots else 0.0
+    return splu(
+        matrix.tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=threshold,
+        options={"SymmetricMode": True},
+    )
 
 
 def newton_step(

@@ -242,7 +242,7 @@ def _response(matrix: sparse.csc_array, driven: Sequence[int]) -> NDArray[np.com
     others = np.delete(np.arange(len(motion)), driven)
     if len(others):
         force = -np.asarray(matrix[:, driven].sum(axis=1)).ravel()
-        motion[others] = factorised(matrix[others][:, others]).solve(force[others])
+        motion[others] = factorised(matrix[others][:, others], pivots=True).solve(force[others])
     return motion
 
 

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import sparse
 from scipy.special import jv
 
 from granwave.analysis.measures.line_waves import space_time_transform
@@ -23,6 +24,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.statics.bodies import across
+from granwave.lammps_inputs.statics.energy import factorised
 from granwave.workflows import load_case
 from tests.helpers.bodies.springs import endless
 
@@ -441,3 +443,16 @@ def test_a_matched_end_keeps_its_side_walls():
     frequency = np.sqrt(square) / (2 * math.pi)
     found = transmission(stiffness_of(network), 1, [2, 9], frequency, end="matched").ratio
     assert found == pytest.approx(np.stack([forwards, forwards**8], axis=1), rel=1e-6)
+
+
+def test_factors_of_an_indefinite_matrix_have_pivots():
+    """Rounding in the diagonal of a matrix, which vanishes in the middle of a pass band, leaves the
+    solution exact.
+    """
+    n = 30
+    half = sparse.random(n, n, 0.2, random_state=2)
+    matrix = half + half.T
+    matrix = matrix - sparse.diags_array(matrix.diagonal()) + 1e-12 * sparse.eye_array(n)
+    solution = np.linspace(-1.0, 1.0, n)
+    found = factorised(matrix, pivots=True).solve(matrix @ solution)
+    assert found == pytest.approx(solution, abs=1e-11)
