@@ -17,6 +17,7 @@ import pytest
 
 from granwave.workflows.run.launchers import of_this_machine, start_fault
 from tests.conftest import BIN, PLAIN
+from tests.helpers.programs.processes import wait_for
 from tests.hostile.rows import faults_in
 
 TINY = ["fcc-small", "--set", "packing.size=[4,4,3]", "--set", "run.end_time=2e-5"]
@@ -35,7 +36,7 @@ launchers._PATIENCE = 1.0  # s, in place of 5
 sys.exit(mpi.launch(2, ['cases'], sys.argv[1:]))
 """
 YIELD = "MPIR_CVAR_POLLS_BEFORE_YIELD"
-DEAF = "#!/bin/sh\ntrap '' TERM INT\nwhile true; do sleep 0.1; done\n"
+DEAF = "#!/bin/sh\ntrap '' TERM INT\ntouch $0.started\nwhile true; do sleep 0.1; done\n"
 
 
 def run(*words: str, timeout: float = 60, **how: Any) -> subprocess.CompletedProcess[str]:
@@ -90,7 +91,8 @@ def deaf(tmp_path: Path) -> Path:
 def test_launcher_that_hangs(deaf: Path, number: int, times: int, longest: float) -> None:
     command = [sys.executable, "-c", LAUNCH, str(deaf)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=PLAIN) as process:
-        time.sleep(1.5)
+        wait_for(Path(f"{deaf}.started").exists, 60)
+        time.sleep(0.2)
         begin = time.monotonic()
         for _ in range(times):
             process.send_signal(number)

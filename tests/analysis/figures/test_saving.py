@@ -17,6 +17,7 @@ from PIL import Image
 
 from granwave.analysis.figures import style
 from granwave.analysis.figures.scales import plain_powers
+from tests.helpers.selection import with_every_test
 
 
 def drawing() -> style.Drawing:
@@ -140,7 +141,7 @@ def test_labels_of_logarithmic_axes(low, high, across, up):
 
 
 @pytest.mark.parametrize("high", [1.3, 2.5, 9.0, 12.0, 52.0, 400.0, 3e4, 2e9, 1e25])
-@pytest.mark.parametrize("low", [1.0, 0.021, 3e-7])
+@pytest.mark.parametrize("low", with_every_test([1.0, 0.021, 3e-7], [1.0]))
 def test_labels_on_narrow_panels_do_not_touch(low, high):
     """Labels of each axis, and of an axis above it, do not overlap."""
     with style.style():

@@ -110,7 +110,10 @@ def test_walls_cuts_and_texts(run, tmp_path):
     assert "144 spheres" in title and "mm" in title
 
 
-@pytest.mark.parametrize(("kind", "size"), [("chain", 12), ("square", (5, 5))])
+@pytest.mark.parametrize(
+    ("kind", "size"),
+    [pytest.param("chain", 12, marks=pytest.mark.validation), ("square", (5, 5))],
+)
 def test_other_packings(tmp_path, kind, size):
     """Chains and layers have no hidden spheres, and are shown uncut."""
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(kind, size)))

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import run_case
+from tests.helpers.selection import with_every_test
 
 D = 0.01  # m
 GRAVITY = {"kind": "gravity"}
@@ -158,6 +159,29 @@ for packing_name, packing in (("chain", CHAIN), ("file", COLUMN)):
     }
 
 
+#: Each packing, support and static load once.
+SHORT = (
+    "gaps, gravity",
+    "overlaps and a force",
+    "overlaps and walls",
+    "a chain and a grain",
+    "hexagonal, walls",
+    "hexagonal, pressed",
+    "fcc, held",
+    "fcc, uniform",
+    "fcc of a file, gravity",
+    "rings, tube",
+    "square, gravity",
+    "unlike beads, pressed",
+    "dents by a force, of unlike beads",
+    "a power law, pressed",
+    "chain, fixed",
+    "chain, held",
+    "file, uniaxial",
+    "file, plate",
+)
+
+
 def case_of(packing: dict[str, Any], static: dict[str, Any], **tables: Any) -> Case:
     given = {
         "name": "state",
@@ -185,7 +209,7 @@ def along(state: State, frequency: np.ndarray) -> np.ndarray:
     return transmission(stiffness, int(grains[0]), sensors, frequency, axis=axis).ratio
 
 
-@pytest.mark.parametrize("name", STATES)
+@pytest.mark.parametrize("name", with_every_test(STATES, SHORT))
 def test_a_case_has_the_state_of_its_run(name: str, tmp_path: Path) -> None:
     packing, static, tables = STATES[name]
     case = case_of(packing, static, **tables)
