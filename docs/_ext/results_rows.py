@@ -32,6 +32,8 @@ _WITH_POWER = re.compile(r"-?[\d.]+e\+?\d+")
 _INTERVAL = re.compile(r"measured \w+ is (?:[\d.]+ )?± (\d+(?:\.\d+)?)")
 #: Quantities with values on both sides of zero, where a relative difference has no meaning.
 _OF_BOTH_SIGNS = re.compile(r"\brebound\b|\brestitution of the surface\b", re.IGNORECASE)
+#: Sentences of remarks that a name with these words makes superfluous.
+_IN_NAME = {"The value was measured on glass.": " on glass"}
 LARGE = 10.0  # deviation from which on a ratio says more than per cent
 KINDS = {
     "source": "source",
@@ -193,6 +195,15 @@ def _first_row(records: Iterable[Mapping[str, Any]], start: str) -> Row | None:
     return None
 
 
+def _remark(name: str, row: Row) -> str:
+    """Return the remark of a row without sentences that only repeat its name."""
+    remark = row.remark
+    for sentence, words in _IN_NAME.items():
+        if words in name:
+            remark = remark.replace(sentence, "").strip()
+    return remark
+
+
 def table_of(
     lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = (), sources: str = ""
 ) -> str:
@@ -211,7 +222,7 @@ def table_of(
     entries: list[tuple[int, str, Row]] = []
     for number, (name, rows) in enumerate(lines):
         entries += [(number, name, row) for row in rows]
-    _, notes = notes_of([row.remark for _, _, row in entries], above=False)
+    _, notes = notes_of([_remark(name, row) for _, name, row in entries], above=False)
     marks = marks_of(notes)
     for (number, name, row), of_row in zip(entries, notes, strict=True):
         place = linked(named(row.where), sources)
