@@ -94,7 +94,15 @@ def deviation(row: Mapping[str, Any]) -> float | None:
 
 def reference_of(row: Mapping[str, Any]) -> float | None:
     """Return the value of the source, or of theory if the row has no source."""
-    return row["theory"] if row["source"] is None else row["source"]
+    against: float | None = row["theory"] if row["source"] is None else row["source"]
+    return against
+
+
+def absolute_difference(row: Mapping[str, Any]) -> float:
+    """Return our value minus its reference, of a row that has both."""
+    against = reference_of(row)
+    assert against is not None
+    return float(row["granwave"]) - against
 
 
 def points(stored: Mapping[str, Any]) -> list[tuple[str, str, str, float]]:
@@ -149,7 +157,7 @@ def far_off(stored: Mapping[str, Any]) -> list[Far]:
                         one["title"],
                         kind,
                         tuple(offs),
-                        tuple(row["granwave"] - reference_of(row) for row in signed),
+                        tuple(map(absolute_difference, signed)),
                         len(out),
                         len(rows),
                         why,

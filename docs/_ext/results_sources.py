@@ -38,7 +38,8 @@ The tables name the main sources by author and year:
 * **J. Appl. Mech. 2020**: *Influence of lateral constraints on wave propagation in finite granular
   crystals*, J. Appl. Mech. (2020), doi 10.1115/1.4047004. Our scan lacks the authors.
 * **Chung and Ooi 2011**: Y. C. Chung and J. Y. Ooi, Granul. Matter 13 (2011) 643.
-* **Kharaz et al. 2001**: A. H. Kharaz, D. A. Gorham and A. D. Salman, Powder Technol. 120 (2001) 281.
+* **Kharaz et al. 2001**: A. H. Kharaz, D. A. Gorham and A. D. Salman, Powder Technol. 120 (2001)
+  281.
 
 The pages by subject name further sources where they are used."""
 

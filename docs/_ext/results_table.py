@@ -282,8 +282,9 @@ def _first_page(stored: Mapping[str, Any]) -> str:
 
 *Each point is one of {len(shown)} rows with a difference: the relative difference between granwave and its reference, on a
 logarithmic axis. Full symbols: granwave is larger; open symbols: granwave is smaller. The grey area begins at 10 %. Points at an
-edge lie beyond the axis. Of all {number} rows, {len(bounds)} have only a bound. For {others}, there is no
-reference, the reference is zero, or we computed no value. These rows are left out. The letters are explained below.*
+edge lie beyond the axis. Of all {number} rows, {len(bounds)} have only a bound. For {others},
+there is no reference, the reference is zero, or we computed no value. These rows are left out. The
+letters are explained below.*
 
 {_COUNTING}
 

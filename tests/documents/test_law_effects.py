@@ -140,7 +140,9 @@ def shown(summary: dict[str, Any], column: int, value: str) -> str:
 
 def summary_of(process: Callable[..., Any], folder: Path, case: str, *sets: str) -> dict[str, Any]:
     """Run a case with changed keys, and return its summary."""
-    words = [word for one in sets for word in ("--set", one)]
+    words: list[str] = []
+    for one in sets:
+        words += ["--set", one]
     ranks = min(2, os.cpu_count() or 1)
     done = process("run", case, "-o", folder, "--no-figures", "--np", ranks, *words, timeout=1200)
     assert done.returncode == 0, done.stderr

@@ -202,8 +202,14 @@ def test_the_page_has_each_constant():
 
 #: Constants of the default law, as the page has them.
 C = 1.6
-C1, C2, C3, C4, C5 = 2.48, 0.098, 177.6, 2.37, 59.96
-C6, C7, C8 = 0.95, 25.94, 0.015
+C1 = 2.48
+C2 = 0.098
+C3 = 177.6
+C4 = 2.37
+C5 = 59.96
+C6 = 0.95
+C7 = 25.94
+C8 = 0.015
 
 
 def loading(a: np.ndarray, pressure: float, exponent: float) -> np.ndarray:
@@ -212,7 +218,7 @@ def loading(a: np.ndarray, pressure: float, exponent: float) -> np.ndarray:
 
 
 def largest_gain(pressure: float, exponent: float, unloading: float) -> float:
-    """Return the largest energy that unloading returns beyond the work of loading, divided by it."""
+    """Return the largest energy gain on unloading, divided by the work of loading."""
     gains = [0.0]
     for peak in np.linspace(1.0001, 1.5, 200):
         a = np.linspace(1, peak, 500)
