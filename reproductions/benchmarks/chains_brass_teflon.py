@@ -66,9 +66,9 @@ def rows(runs):
                      theory=strong, digits=4)  # fmt: skip
     yield gw.Row("Speed in brass at the impact that gives the measured speed in PTFE", "m/s", MEASURED["brass"],
                  MEASURED["ptfe"] * strong, WHERE,
-                 "The measured value is ± 40 m/s. Our value is the measured speed in PTFE times the "
-                 "computed ratio of the speeds of strong waves, since the source prints neither "
-                 "beads nor striker.")  # fmt: skip
+                 "The measured value is ± 40 m/s. Our value is the measured speed in PTFE times "
+                 "the computed ratio of the speeds of strong waves, since the source prints "
+                 "neither beads nor striker.")  # fmt: skip
 
 
 def pictures(runs):
