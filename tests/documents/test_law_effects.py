@@ -99,7 +99,6 @@ def test_changed_constants_give_a_part_of_the_other_law():
 
 PAGES = {
     "README.md": ("fcc-small", (0, 1)),
-    "docs/index.md": ("fcc-small", (0,)),
     "docs/start.md": ("fcc-small", (0, 1)),
     "docs/howto/contact-laws.md": ("fcc-small", (0, 1)),
     "docs/howto/target.md": ("protected-target", (2,)),
@@ -157,6 +156,19 @@ def test_results_with_both_laws(process, tmp_path, case, law):
     assert [shown(summary, column, value) for column, value in enumerate(values)] == values
     if (case, law) == ("fcc-small", DEFAULT):
         assert f"of the {summary['n_plastic_contacts']} contacts" in TEXT
+
+
+@pytest.mark.validation
+def test_the_first_page_has_both_laws(process, tmp_path):
+    """Its case ends earlier than the built-in case."""
+    text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    forces = []
+    for law in (DEFAULT, FITTED):
+        sets = (f"contact.law={law}", "run.end_time=3e-4")
+        summary = summary_of(process, tmp_path / law, "fcc-small", *sets)
+        assert f"{100 * summary['dissipated_fraction']:.1f} %" in text
+        forces.append(summary["wall_peak_force_N"])
+    assert f"{100 * (forces[1] / forces[0] - 1):.0f} % larger" in text
 
 
 @pytest.mark.validation
