@@ -61,6 +61,8 @@ class Far:
         Their relative deviations; without quantities that have values on both sides of zero.
     differences
         Absolute differences of the other quantities.
+    unit
+        Unit of these differences; empty for numbers.
     number, total
         Number of these values, and of all values of this kind in the study.
     why
@@ -75,6 +77,7 @@ class Far:
     kind: str
     deviations: tuple[float, ...]
     differences: tuple[float, ...]
+    unit: str
     number: int
     total: int
     why: str
@@ -158,6 +161,7 @@ def far_off(stored: Mapping[str, Any]) -> list[Far]:
                         kind,
                         tuple(offs),
                         tuple(map(absolute_difference, signed)),
+                        signed[0]["unit"] if signed else "",
                         len(out),
                         len(rows),
                         why,

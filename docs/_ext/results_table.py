@@ -356,7 +356,7 @@ def _ranges(far: results_picture.Far) -> list[str]:
         ranges.append(" to ".join(dict.fromkeys(ends)))
     if far.differences:
         ends = [plain(f"{off:+.2g}") for off in (min(far.differences), max(far.differences))]
-        ranges.append(f"{' to '.join(dict.fromkeys(ends))} (absolute, of both signs)")
+        ranges.append(f"{' to '.join(dict.fromkeys(ends))} {far.unit or '(absolute)'}")
     return ranges
 
 

@@ -366,7 +366,8 @@ def test_quantities_of_both_signs_have_an_absolute_difference(quantity, unit, sh
     far = {one.suite + one.study: one for one in PICTURE.far_off(STORED)}
     spheres = far["benchmarksimpacts_spheres"]
     assert not spheres.deviations and max(spheres.differences) < 0
-    assert TABLE._ranges(spheres) == ["-0.7 to -0.2 (absolute, of both signs)"]
+    assert TABLE._ranges(spheres) == ["-0.7 to -0.2 (absolute)"]
+    assert TABLE._ranges(far["benchmarksimpacts_oblique"])[1] == "-1.5 to +1.4 degrees"
 
 
 @pytest.mark.parametrize(
