@@ -161,8 +161,8 @@ def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
         f"There are {len(rows)} rows with a value of a source. Of these, {close} differ from it by "
         f"at most {100 * _CLOSE:g} %, {len(off) - close - far} by {100 * _CLOSE:g} to "
         f"{100 * _FAR:g} %, and {far} by more. "
-        f"The other {len(rows) - len(off)} rows are bounds, have zero as the "
-        f"printed value, or no value of ours. {_bounds(rows)}".rstrip()
+        f"The other {len(rows) - len(off)} rows have no difference: they are bounds, the printed "
+        f"value is zero, or we computed no value. {_bounds(rows)}".rstrip()
     )
 
 

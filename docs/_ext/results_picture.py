@@ -19,6 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
+from results_rows import has_both_signs
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, style
 from granwave.lammps_inputs.files import replace_bytes
@@ -56,8 +57,12 @@ class Far:
     ----------
     mark
         Letter in the picture.
-    least, most
-        Smallest and largest deviation.
+    deviations
+        Their relative deviations; without quantities that have values on both sides of zero.
+    differences
+        Absolute differences of the other quantities.
+    unit
+        Unit of these differences; empty for numbers.
     number, total
         Number of these values, and of all values of this kind in the study.
     why
@@ -70,8 +75,9 @@ class Far:
     study: str
     title: str
     kind: str
-    least: float
-    most: float
+    deviations: tuple[float, ...]
+    differences: tuple[float, ...]
+    unit: str
     number: int
     total: int
     why: str
@@ -81,12 +87,25 @@ def deviation(row: Mapping[str, Any]) -> float | None:
     """Return the ratio of our value to its reference, minus 1; None without a reference, or if it
     is only a bound.
     """
-    against = row["theory"] if row["source"] is None else row["source"]
+    against = reference_of(row)
     return (
         row["granwave"] / against - 1
         if against and row["granwave"] is not None and not row["bound"]
         else None
     )
+
+
+def reference_of(row: Mapping[str, Any]) -> float | None:
+    """Return the value of the source, or of theory if the row has no source."""
+    against: float | None = row["theory"] if row["source"] is None else row["source"]
+    return against
+
+
+def absolute_difference(row: Mapping[str, Any]) -> float:
+    """Return our value minus its reference, of a row that has both."""
+    against = reference_of(row)
+    assert against is not None
+    return float(row["granwave"]) - against
 
 
 def points(stored: Mapping[str, Any]) -> list[tuple[str, str, str, float]]:
@@ -129,7 +148,8 @@ def far_off(stored: Mapping[str, Any]) -> list[Far]:
                 ]
                 out = [(off, row) for off, row in rows if abs(off) > FAR]
                 if out:
-                    offs = [off for off, _ in out]
+                    offs = [off for off, row in out if not has_both_signs(row["quantity"])]
+                    signed = [row for _, row in out if has_both_signs(row["quantity"])]
                     remarks = [
                         row["remark"] for _, row in sorted(out, key=lambda pair: -abs(pair[0]))
                     ]
@@ -139,8 +159,9 @@ def far_off(stored: Mapping[str, Any]) -> list[Far]:
                         study,
                         one["title"],
                         kind,
-                        min(offs),
-                        max(offs),
+                        tuple(offs),
+                        tuple(map(absolute_difference, signed)),
+                        signed[0]["unit"] if signed else "",
                         len(out),
                         len(rows),
                         why,

@@ -8,12 +8,14 @@ from typing import Any
 
 from results_chosen import CHOSEN
 from results_notes import marked, marks_of, notes_of
+from results_sources import linked, named
 from results_stored import row_of
 
 from granwave.analysis.document.model import (
     percent,
     significant,
 )
+from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.studies.study import Row
 
@@ -22,10 +24,16 @@ _LOWER = ("at least", "more than", "Well over", "well above")  # words of a boun
 _MOST_FACTOR = 1000.0  # ratio beyond which its size says nothing
 _DIGITS = 5  # of a value of a source
 _MOST_SHOWN = 4  # digits of our value that are added to show its deviation
-_SHOWN = 0.25  # largest error of the deviation of the rounded value, relative to the deviation
+_SHOWN = 0.05  # largest error of the deviation of the rounded value, relative to the deviation
+_SMALL = 0.01  # relative; smaller deviations are shown to a quarter of themselves
+_SHOWN_OF_SMALL = 0.25
 _PLAIN = 1e7  # from which on a number has a power of ten
 _WITH_POWER = re.compile(r"-?[\d.]+e\+?\d+")
 _INTERVAL = re.compile(r"measured \w+ is (?:[\d.]+ )?± (\d+(?:\.\d+)?)")
+#: Quantities with values on both sides of zero, where a relative difference has no meaning.
+_OF_BOTH_SIGNS = re.compile(r"\brebound\b|\brestitution of the surface\b", re.IGNORECASE)
+#: Sentences of remarks that a name with these words makes superfluous.
+_IN_NAME = {"The value was measured on glass.": " on glass"}
 LARGE = 10.0  # deviation from which on a ratio says more than per cent
 KINDS = {
     "source": "source",
@@ -66,13 +74,16 @@ def difference(row: Row) -> str:
     """Return the deviation of our value as text; differences by rounding only are omitted.
 
     For a bound the text states whether our value lies within it. If the source states the error of
-    its value, the text compares the difference with the error.
+    its value, the text compares the difference with the error. A quantity with values on both sides
+    of zero has an absolute difference, in its unit.
     """
     if row.bound and row.ours is not None:
         return "within" if holds(row) else f"beyond by {excess(beyond(row))}"
     off = row.deviation
     if off is None:
         return "-"
+    if has_both_signs(row.quantity):
+        return absolute_difference(row)
     if off > LARGE:
         return factor(off)
     text = percent(100 * off if abs(off) > _ROUNDING else 0)
@@ -83,6 +94,21 @@ def difference(row: Row) -> str:
     if ratio <= 1:
         return f"{text} (within the error)"
     return f"{text} ({significant(ratio, 2)} times the error)"
+
+
+def has_both_signs(quantity: str) -> bool:
+    """Return True for a quantity with values on both sides of zero, such as a rebound angle."""
+    return bool(_OF_BOTH_SIGNS.search(quantity))
+
+
+def absolute_difference(row: Row) -> str:
+    """Return our value minus the reference, with its sign and unit, or with a word in place of a
+    unit.
+    """
+    against = row.theory if row.source is None else row.source
+    assert row.ours is not None and against is not None
+    text = plain(f"{row.ours - against:+.3g}")
+    return with_unit(text, row.unit) if row.unit else f"{text} (absolute)"
 
 
 def factor(off: float) -> str:
@@ -125,9 +151,10 @@ def shown_digits(row: Row) -> int:
     against = row.theory if row.source is None else row.source
     if off is None or against is None or row.ours is None:
         return row.digits
+    error = _SHOWN if abs(off) > _SMALL else _SHOWN_OF_SMALL
     for digits in range(row.digits, _MOST_SHOWN + 1):
         shown = float(f"{row.ours:.{digits}g}") / against - 1
-        if abs(shown - off) <= _SHOWN * abs(off):
+        if abs(shown - off) <= error * abs(off):
             return digits
     return row.digits
 
@@ -168,23 +195,38 @@ def _first_row(records: Iterable[Mapping[str, Any]], start: str) -> Row | None:
     return None
 
 
-def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) -> str:
+def _remark(name: str, row: Row) -> str:
+    """Return the remark of a row without sentences that only repeat its name."""
+    remark = row.remark
+    for sentence, words in _IN_NAME.items():
+        if words in name:
+            remark = remark.replace(sentence, "").strip()
+    return remark
+
+
+def table_of(
+    lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = (), sources: str = ""
+) -> str:
     """Return chosen rows as a table, with their remarks as notes below it.
 
     Parameters
     ----------
     links
         Page to which the quantity of each line is linked.
+    sources
+        Page with the bibliography, to which the names of sources are linked; empty for the same
+        page.
     """
     heads = ("quantity", "compared with", "value", "granwave", "difference")
     text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
     entries: list[tuple[int, str, Row]] = []
     for number, (name, rows) in enumerate(lines):
         entries += [(number, name, row) for row in rows]
-    _, notes = notes_of([row.remark for _, _, row in entries], above=False)
+    _, notes = notes_of([_remark(name, row) for _, name, row in entries], above=False)
     marks = marks_of(notes)
     for (number, name, row), of_row in zip(entries, notes, strict=True):
-        what = f"{KINDS[row.kind]}: {row.where}".removesuffix(": ")
+        place = linked(named(row.where), sources)
+        what = f"{KINDS[row.kind]}: {place}".removesuffix(": ")
         shown = f"[{escaped(name)}]({links[number]})" if links else escaped(name)
         values = [with_unit(value, row.unit) for value in (reference_text(row), ours_text(row))]
         off = " ".join([difference(row), *marked(of_row, marks)])

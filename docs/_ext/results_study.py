@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from results_notes import marked, marks_of, notes_of
 from results_rows import KINDS, difference, interval_of, ours_text, reference_text
+from results_sources import named
 
 from granwave.analysis.document.model import Cell, DocumentTable, Note
 from granwave.analysis.reports.studies import row_tables
@@ -79,6 +80,6 @@ def _texts(row: Row, found: dict[str, Cell]) -> dict[str, Cell]:
             texts["Difference"] = Cell(difference(row), row.deviation)
     if interval_of(row):
         texts["Source"] = Cell(reference_text(row), row.source)
-    if row.where == _NO_PLACE:
-        texts["Where"] = Cell("")
+    if "Where" in found:
+        texts["Where"] = Cell("" if row.where == _NO_PLACE else named(row.where))
     return texts

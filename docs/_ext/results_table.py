@@ -38,6 +38,7 @@ from results_rows import (
     reference_text,
     table_of,
 )
+from results_sources import BIBLIOGRAPHY
 from results_stored import ROOT, STORED, read_stored, read_table, row_of
 from results_study import tables_of
 from results_symbols import readable_numbers, with_formulas
@@ -54,6 +55,7 @@ from granwave.analysis.document.model import (
     significant,
     tidied,
 )
+from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import ratio_in_words, with_unit
 from granwave.analysis.reports.report import markdown
 from granwave.analysis.studies.study import Row, Study
@@ -65,6 +67,9 @@ PAGES = STORED.with_suffix("")  # folder of a page for each suite
 README = ROOT / "README.md"
 FIRST_PAGE = ROOT / "docs" / "index.md"
 PAPER = ROOT / "docs" / "paper" / "paper.md"
+# page of results, as linked from other pages
+_OF_README = "docs/explanation/results.md"
+_OF_FIRST_PAGE = "explanation/results.md"
 _TITLE = "Comparison with the literature"
 _MESSAGE = """\
 More than half of the values that sources print are reproduced within 10 %, many within 1 %: for
@@ -74,20 +79,7 @@ chains. Larger differences have four causes. The source has a misprint or contra
 of a striker; a formula is used outside its range; or one of the two models lacks an effect, such as
 partial slip ([limits](limits.md)). Some differences are not explained. The pages by subject begin
 with their conclusions."""
-_SOURCES = """\
-Four sources have short names:
-
-* *Thesis*: R. K. Pal, *Wave tailoring in elastic and elastoplastic granular systems*,
-  dissertation, University of Illinois at Urbana-Champaign, 2015.
-* *Composite chain*: a paper on waves in chains of steel spheres with a section of brass or PTFE.
-  Our scan of it begins with the abstract, and lacks the title, the authors, the journal and the
-  year.
-* *Square packing*: A. Leonard, F. Fraternali and C. Daraio, *Directional wave propagation in a
-  highly nonlinear square packing of spheres*, Exp. Mech., published online on 6 October 2011.
-* *Lateral constraints*: *Influence of lateral constraints on wave propagation in finite granular
-  crystals*, J. Appl. Mech., 2020, doi 10.1115/1.4047004. Our scan of it lacks the authors and the
-  pages.
-
+_KINDS = """\
 There are four kinds of rows:
 
 * A *source* is a value printed in the literature.
@@ -97,7 +89,9 @@ There are four kinds of rows:
 * Rows of *granwave only* have no reference. (Their kind is `alone` in `study_rows.csv`.)
 
 If a source or theory gives only a bound (the end of an axis, or *at most*), the tables state
-whether our value is within the bound, or by how much it is beyond it.
+whether our value is within the bound, or by how much it is beyond it. Rebound angles and similar
+quantities have values on both sides of zero; the tables give their absolute difference. Everywhere
+else, and in all counts and in the figures, the difference is relative to the reference.
 
 `make results` generates these pages from finished runs; no number is typed by hand. The text of the
 conclusions is in `reproductions/conclusions.md`."""
@@ -166,9 +160,9 @@ def is_stale(picture: Path, stored: Mapping[str, Any], labels: Mapping[str, str]
 def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
     """Return the tables in pages that are otherwise written by hand."""
     return {
-        README: readable_numbers(table_of(chosen_rows(stored))),
+        README: readable_numbers(table_of(chosen_rows(stored), sources=_OF_README)),
         FIRST_PAGE: results_measured_picture.text()
-        + readable_numbers(table_of(chosen_rows(stored, MEASURED))),
+        + readable_numbers(table_of(chosen_rows(stored, MEASURED), sources=_OF_FIRST_PAGE)),
         PAPER: _of_paper(stored),
     }
 
@@ -181,10 +175,12 @@ def counts_in_words(stored: Mapping[str, Any]) -> str:
     bounds = list(itertools.chain.from_iterable(map(bounds_of, stored["suites"].values())))
     _, theory, verifications = (_deviations(stored, kind) for kind in results_picture.KINDS)
     return (
-        f"Sources print {len(printed)} of the compared values: {_close(always)} agree within 10 % "
-        f"in every comparison, {_close(once)} in at least one. Of {len(theory)} values from "
-        f"theory, {_close(theory)} agree within 10 %. Of {len(bounds)} bounds, "
-        f"{sum(map(holds, bounds))} hold. A further {len(verifications)} values test the code only."
+        f"Sources print {len(printed)} of the compared values. {_close(once)} agree within 10 % in "
+        f"at least one comparison, {_close(always)} in every comparison. Theory gives "
+        f"{len(theory)} values, of which {_close(theory)} agree within 10 %. For {len(bounds)} "
+        f"values the reference is only a limit (at most, at least); {sum(map(holds, bounds))} are "
+        f"within their limit. {len(verifications)} values test the code only, against a second "
+        "solver or a formula."
     )
 
 
@@ -265,6 +261,7 @@ def _first_page(stored: Mapping[str, Any]) -> str:
         for study in suite["studies"].values():
             bounds += [(name, row_of(row)) for row in study["rows"] if row.get("bound")]
     outside = [(name, row) for name, row in bounds if beyond(row)]
+    others = number - len(shown) - len(bounds)
     tree = "\n".join(f"{LABELS.get(name, name)} <results/{name}>" for name in names)
     return f"""# {_TITLE}
 
@@ -275,13 +272,19 @@ def _first_page(stored: Mapping[str, Any]) -> str:
 
 {_MESSAGE}
 
+## Sources
+
+{BIBLIOGRAPHY}
+
 ## All comparisons
 
 ![Difference between each granwave value and its reference, by suite and kind](agreement.webp)
 
-*Each point is one of {len(shown)} rows: the relative difference between granwave and its reference, on a
+*Each point is one of {len(shown)} rows with a difference: the relative difference between granwave and its reference, on a
 logarithmic axis. Full symbols: granwave is larger; open symbols: granwave is smaller. The grey area begins at 10 %. Points at an
-edge lie beyond the axis. Rows with only a bound or without a reference are left out. The letters are explained below.*
+edge lie beyond the axis. Of all {number} rows, {len(bounds)} have only a bound. For {others},
+there is no reference, the reference is zero, or we computed no value. These rows are left out. The
+letters are explained below.*
 
 {_COUNTING}
 
@@ -313,9 +316,9 @@ Of these, {len(outside)} lie outside.
 |---|---|---|---|
 {pages}
 {note}
-## Sources and kinds of rows
+## Kinds of rows
 
-{_SOURCES}
+{_KINDS}
 
 ```{{toctree}}
 :hidden:
@@ -328,9 +331,6 @@ Of these, {len(outside)} lie outside.
 def _far_rows(stored: Mapping[str, Any]) -> str:
     lines = []
     for one in results_picture.far_off(stored):
-        ends = dict.fromkeys(
-            percent(100 * off) if abs(off) < LARGE else factor(off) for off in (one.least, one.most)
-        )
         link = f"[{escaped(one.title)}](results/{one.suite}.md)"
         number = f"{one.number} of {one.total}"
         cells = [
@@ -338,11 +338,26 @@ def _far_rows(stored: Mapping[str, Any]) -> str:
             link,
             KINDS[one.kind],
             number,
-            " to ".join(ends),
+            "; ".join(_ranges(one)),
             escaped(one.why),
         ]
         lines.append(f"| {' | '.join(cells)} |\n")
     return "".join(lines)
+
+
+def _ranges(far: results_picture.Far) -> list[str]:
+    """Return the range of the relative deviations, and of the absolute differences of quantities
+    that have values on both sides of zero.
+    """
+    ranges = []
+    if far.deviations:
+        offs = (min(far.deviations), max(far.deviations))
+        ends = [percent(100 * off) if abs(off) < LARGE else factor(off) for off in offs]
+        ranges.append(" to ".join(dict.fromkeys(ends)))
+    if far.differences:
+        ends = [plain(f"{off:+.2g}") for off in (min(far.differences), max(far.differences))]
+        ranges.append(f"{' to '.join(dict.fromkeys(ends))} {far.unit or '(absolute)'}")
+    return ranges
 
 
 def _outside_rows(outside: Iterable[tuple[str, Row]]) -> str:

@@ -279,7 +279,7 @@ _RATE = Usual("1/s", 1.0, 1e8)
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Absorb:
-    """``[[absorb]]``: spheres that are damped, so that waves leave the packing.
+    """``[[absorb]]``: damped spheres that absorb the waves.
 
     ``rate`` damps motion in all directions, and rotation, by m rate v: a layer that becomes
     stronger with depth reflects little over many frequencies. ``impedance`` is a dashpot along z on

@@ -30,8 +30,8 @@ ONE_SPRING = (
 )
 EXPERIMENT = "Kharaz et al. 2001, in Chung and Ooi 2011"
 MEASURED = {
-    "mindlin_rescale": "The value was measured on glass. The theory includes partial slip; a "
-    "single spring does not.",
+    "mindlin_rescale": "The value was measured on glass. A single spring has no partial slip "
+    "within the contact circle.",
     "partial_slip": "The value was measured on glass.",
 }
 

@@ -109,7 +109,8 @@ def rows(runs):
     yield gw.Row("Error of the speed relative to the wave of the discrete chain at the computed "
                  "force",
         "%", ours=our_speed,
-                 theory=0.0, remark=f"The source prints {PRINTED.min():.2f} to {PRINTED.max():.0f} "
+                 theory=0.0, remark=f"The source prints errors of {PRINTED.min():.2f} to "
+                                    f"{PRINTED.max():.0f} "
                                     "% for the speeds of its 11 models. The recomputed errors are "
                                     f"{of_speed.min():.1f} to {of_speed.max():.0f} %.", **where)
     yield gw.Row("Error of the force relative to thesis 4.5",

@@ -107,8 +107,8 @@ def of_law(law, curves, speeds):
         if law == "hertz" and ("power", n) in speeds:
             left = above_measured(speeds["power", n], n)
             remark += (f" With the contact law of these finite elements and {n} light beads "
-                       f"(N2 = {n}), our chain is {left:.1f} % above the measurement, which "
-                       f"leaves {left - ERROR:.1f} % unexplained.")
+                       f"(N2 = {n}), our chain is {left:.1f} % above the measurement, at least "
+                       f"{left - ERROR:.1f} % more than the finite elements.")
         if law == "power":
             remark += (" Their contact law was determined for spheres of 4.76 mm. In spheres of "
                        "10 mm their elements are finer relative to the contact, and the law may "

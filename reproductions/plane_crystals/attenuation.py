@@ -115,8 +115,8 @@ def order_of(crystals, scatter):
     apart = abs(PRINTED["HCP"] - PRINTED["BCC"])
     most = max(np.ptp(found) for found in samples.values())
     return (
-        f"The rates of the samples of one crystal differ by up to {most:.2f}, and the printed "
-        f"rates by {apart:.2g}: the printed order is within the spread that such a scatter causes."
+        f"The rates of the samples of one crystal differ by up to {most:.2f}/m, and the printed "
+        f"rates by {apart:.2g}/m, so that the printed order may be due to chance."
     )
 
 

@@ -8,8 +8,7 @@ import pytest
 
 from tests.documents.pages import extension
 
-extension("results_picture")
-for name in ("chosen", "stored", "notes", "rows"):
+for name in ("chosen", "stored", "notes", "sources", "rows", "picture"):
     extension(f"results_{name}")
 COVERAGE = extension("results_coverage")
 STORED = extension("results_stored").read_stored()

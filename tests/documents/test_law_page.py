@@ -10,6 +10,7 @@ import sys
 from functools import cache
 from math import exp, inf, log, sqrt
 
+import numpy as np
 import pytest
 
 from granwave._contact_laws import ContactLaw
@@ -197,3 +198,46 @@ def test_the_page_has_each_constant():
     for name, value in K.items():
         assert f"| {name} | {value:g} |" in terms, name
         assert f"\\mathrm{{{name}}}" in terms, name
+
+
+#: Constants of the default law, as the page has them.
+C = 1.6
+C1 = 2.48
+C2 = 0.098
+C3 = 177.6
+C4 = 2.37
+C5 = 59.96
+C6 = 0.95
+C7 = 25.94
+C8 = 0.015
+
+
+def loading(a: np.ndarray, pressure: float, exponent: float) -> np.ndarray:
+    """Return the normalised force on loading below c3, from the pressure at yield and m."""
+    return 3 / (2 * C) * (C1 - (C1 - pressure) * np.exp(-C2 * (a - 1))) * a**exponent
+
+
+def largest_gain(pressure: float, exponent: float, unloading: float) -> float:
+    """Return the largest energy gain on unloading, divided by the work of loading."""
+    gains = [0.0]
+    for peak in np.linspace(1.0001, 1.5, 200):
+        a = np.linspace(1, peak, 500)
+        forces = loading(a, pressure, exponent)
+        work = 2 / 5 + np.trapezoid(forces, a)
+        residual = C6 * peak - C7 + (C7 - C6) * np.exp(-C8 * (peak - 1))
+        gains.append(forces[-1] * (peak - residual) / (unloading + 1) / work - 1)
+    return max(gains)
+
+
+def test_rounding_explains_the_jumps_and_the_exponent_the_gain():
+    """With the printed constants; n of Hertz's law is 1.5."""
+    exact = (2 * C / 3, log(C4 * C3 - C5) / log(C3))
+    printed = (1.07, 1.14)
+    jump = loading(np.ones(1), *printed)[0] - 1
+    later = C3 ** printed[1] / (C4 * C3 - C5) - 1
+    gains = [largest_gain(*values, 1.35) for values in (printed, exact)]
+    text = (ROOT / "docs" / "explanation" / "contact-law.md").read_text(encoding="utf-8")
+    for number in (jump, later, *gains):
+        assert f" {100 * number:.1f} %" in text, number
+    assert gains[1] == pytest.approx((1 / 2.35) / (2 / 5) - 1, abs=1e-3)
+    assert largest_gain(*exact, 1.5) == 0.0

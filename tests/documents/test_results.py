@@ -27,6 +27,7 @@ QUICK = (("homogeneous-chain", HOMOGENEOUS), ("sensor-chain", SENSOR_CHAIN))
 STORE = extension("results_stored")
 CHOSEN = extension("results_chosen")
 NOTES = extension("results_notes")
+SOURCES = extension("results_sources")
 ROWS_OF_TABLES = extension("results_rows")
 CONCLUSIONS = extension("results_conclusions")
 SYMBOLS = extension("results_symbols")
@@ -287,7 +288,8 @@ def test_bounds_that_do_not_hold_are_counted():
     """The sentence of counts, the pages of suites and the list of the first page agree."""
     bounds = [row for *_, row in ROWS if row.bound]
     holding = sum(map(ROWS_OF_TABLES.holds, bounds))
-    assert f"Of {len(bounds)} bounds, {holding} hold." in TABLE.counts_in_words(STORED)
+    counts = TABLE.counts_in_words(STORED)
+    assert f"For {len(bounds)} values" in counts and f"{holding} are within their limit" in counts
     pages = TABLE.pages_of(STORED)
     first = pages.pop(TABLE.PAGE)
     _, _, listed = first.partition("## Values outside a bound")
@@ -332,13 +334,59 @@ def test_shared_sentences_of_remarks_are_one_note():
 
 @pytest.mark.parametrize(
     ("ours", "digits", "shown"),
-    [(-1.0069, 2, "-1.007"), (-1.0558, 2, "-1.06"), (2.0379, 2, "2"), (1.0000001, 3, "1")],
+    [(-1.0069, 2, "-1.007"), (-1.0558, 2, "-1.056"), (2.0379, 2, "2.04"), (1.0000001, 3, "1")],
 )
 def test_digits_show_the_difference(ours, digits, shown):
     row = gw.Row(
         "Exponent", source=round(ours) * (0.8 if ours > 2 else 1), ours=ours, digits=digits
     )
     assert ROWS_OF_TABLES.ours_text(row) == shown
+
+
+def test_rounded_values_of_all_rows_have_the_displayed_difference():
+    """From a deviation of 1 % on, the displayed values give it within a twentieth of it."""
+    for _, _, _, row in ROWS:
+        against = row.theory if row.source is None else row.source
+        if row.deviation is not None and abs(row.deviation) > 0.01:
+            shown = float(f"{row.ours:.{ROWS_OF_TABLES.shown_digits(row)}g}") / against - 1
+            assert shown == pytest.approx(row.deviation, rel=0.05), row.quantity
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit", "shown"),
+    [
+        ("Rebound angle at 9.72 degrees", "degrees", "-1.48 degrees"),
+        ("Test 6, rebound at incidence 1", "", "-1.48 (absolute)"),
+        ("Spin at 5 degrees", "rad/s", "+140 %"),
+    ],
+)
+def test_quantities_of_both_signs_have_an_absolute_difference(quantity, unit, shown):
+    row = gw.Row(quantity, unit, source=-1.06, ours=-2.542)
+    assert ROWS_OF_TABLES.difference(row) == shown
+    far = {one.suite + one.study: one for one in PICTURE.far_off(STORED)}
+    spheres = far["benchmarksimpacts_spheres"]
+    assert not spheres.deviations and max(spheres.differences) < 0
+    assert TABLE._ranges(spheres) == ["-0.7 to -0.2 (absolute)"]
+    assert TABLE._ranges(far["benchmarksimpacts_oblique"])[1] == "-1.5 to +1.4 degrees"
+
+
+@pytest.mark.parametrize(
+    ("place", "name"),
+    [
+        ("thesis 2.25, Fig. 2.13", "Pal 2015, 2.25, Fig. 2.13"),
+        ("thesis Figs 5.5 to 5.7", "Pal 2015, Figs. 5.5 to 5.7"),
+        ("thesis (4.5)", "Pal 2015 (4.5)"),
+        ("composite chain, section 4, measured", "Wu et al. 2019, section 4, measured"),
+        ("square packing, Fig. 11(a)", "Leonard et al. 2013, Fig. 11(a)"),
+        ("Hertz (1882)", "Hertz (1882)"),
+    ],
+)
+def test_sources_have_author_and_year(place, name):
+    """Names of tables are linked to the bibliography on the page of results."""
+    assert SOURCES.named(place) == name
+    link = SOURCES.linked(name, "results.md")
+    assert ("](results.md#sources)" in link) == (name != place)
+    assert "\n## Sources\n" in TABLE.pages_of(STORED)[TABLE.PAGE]
 
 
 def test_an_error_of_the_source_is_next_to_its_value():

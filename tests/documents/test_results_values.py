@@ -15,6 +15,7 @@ from tests.helpers.selection import with_every_test
 extension("results_chosen")
 extension("results_stored")
 extension("results_notes")
+extension("results_sources")
 extension("results_rows")
 extension("results_symbols")
 QUANTITIES = extension("results_quantities")

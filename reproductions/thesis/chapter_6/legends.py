@@ -3,10 +3,10 @@
 The chains follow the model of the source: a soft wall, no contacts in the rings, and fixed contact
 normals. No unit of speed brings all their speeds within the axis of figure 6.4. The legends of
 figure 6.10 (0.09, 0.22, 0.36) are values of delta_hat, since the printed equations then stay within
-both axes. Their ratios are those of the precompressions a = 4.8e-4, 1.2e-3 and 1.9e-3, but they are
-a quarter of delta_hat = 2 delta tan(theta)/A of the waves in these chains. The equality of the
-slopes in figure 6.11 therefore depends on the scale of delta_hat and on the choice of A. Three
-choices are compared.
+both axes. They have the same ratios as the precompressions a = 4.8e-4, 1.2e-3 and 1.9e-3, but are
+four times smaller than delta_hat = 2 delta tan(theta)/A of the waves in these chains. The equality
+of the slopes in figure 6.11 therefore depends on the scale of delta_hat and on the choice of A.
+Three choices are compared.
 """
 
 import numpy as np
