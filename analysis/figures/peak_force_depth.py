@@ -267,7 +267,7 @@ def _still_rising(peaks: LayerPeaks) -> NDArray[np.bool_]:
 
 def _wrapped(reason: str) -> str:
     """Return the reason why no decay is drawn, in lines of a legend."""
-    text = reason if reason.startswith("no decay") else f"no fit: {reason}"
+    text = reason if reason.startswith(("no decay", "neither")) else f"no fit: {reason}"
     return "\n".join(wrap(text, _LETTERS))
 
 
