@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 _MOST_LINES = 4  # in a title of an axis
 _DIVIDED_BY = "/"  # no line ends with it
+_UNIT = re.compile(r"\([^()]{1,12}\)")  # units in parentheses, which are never broken
 _MATHEMATICS = "$"  # delimiter of formulas, which are never broken
 
 
@@ -56,14 +59,16 @@ def in_two_lines(text: str) -> str:
 
 def in_lines(text: str, n_lines: int) -> str:
     """Return a text of one line in lines of similar length, in fewer if it has too few words;
-    formulas are not broken.
+    formulas and units are not broken.
     """
+    units = [unit.span() for unit in _UNIT.finditer(text)]
     places = [
         place
         for place, character in enumerate(text)
         if character == " "
         and text[:place][-1:] != _DIVIDED_BY
         and text.count(_MATHEMATICS, 0, place) % 2 == 0
+        and not any(start < place < end for start, end in units)
     ]
     if not places:
         return text

@@ -248,3 +248,40 @@ def test_texts_have_one_font_and_a_readable_size(runs, name):
     assert {text.get_fontname() for text in texts} == {"DejaVu Serif"}
     assert min(text.get_fontsize() for text in texts) >= 6
     pyplot.close(figure)
+
+
+_NAMES = ("bottom_force", "peak_force_depth", "plastic_zone_size", "impactor_velocity")
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "layout"),
+    [((1, 2), (7, 2.6), None), ((1, 2), (9, 3.6), None), ((2, 2), (7, 5), "constrained")],
+)
+def test_texts_of_neighbouring_panels_do_not_overlap(runs, shape, size, layout):
+    """Labels, second axes and legends have room of their own, and no unit is broken, in a figure
+    that granwave draws panel by panel.
+    """
+    figure, panels = pyplot.subplots(*shape, figsize=size, layout=layout)
+    for axes, name in zip(panels.flat, _NAMES, strict=False):
+        runs[0].figure(name, ax=axes)
+    figure.draw_without_rendering()
+    boxes = []
+    for axes in figure.axes:
+        for title in (axes.xaxis.label, axes.yaxis.label):
+            assert "(mN\n" not in title.get_text()
+            boxes.append(title.get_window_extent())
+        legend = axes.get_legend()
+        if legend is not None:
+            boxes.append(legend.get_window_extent())
+    pyplot.close(figure)
+    drawn = [box for box in boxes if box.width > 0]
+    for number, box in enumerate(drawn):
+        assert box.x0 > -1 and box.x1 < figure.bbox.width + 1
+        assert box.y0 > -1 and box.y1 < figure.bbox.height + 1
+        assert box.padded(-1).count_overlaps(drawn[number + 1 :]) == 0
+
+
+def test_units_stay_on_one_line():
+    label = "Impulse (mN s), dashed"
+    assert in_lines(label, 2) == "Impulse\n(mN s), dashed"
+    assert in_lines("Impulse (mN s)", 4) == "Impulse\n(mN s)"

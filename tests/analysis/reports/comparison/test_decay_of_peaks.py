@@ -212,15 +212,10 @@ def test_runs_are_fitted_at_the_depths_that_all_have(place):
         "Decay of the largest peak force, fitted at the depths that all fitted runs have, "
         "1 to 6 diameters"
     )
-    short = dataclasses.replace(peaks[runs[0]], decays=_fits_of(0.01 * np.arange(5.0, 13.0)))
-    rows = _rows(
-        {
-            runs[0]: short,
-            runs[1]: dataclasses.replace(
-                peaks[runs[1]], decays=_fits_of(0.01 * np.arange(1.0, 8.0))
-            ),
-        }
-    )
+    one, other = runs
+    peaks[one] = dataclasses.replace(peaks[one], decays=_fits_of(0.01 * np.arange(5.0, 13.0)))
+    peaks[other] = dataclasses.replace(peaks[other], decays=_fits_of(0.01 * np.arange(1.0, 8.0)))
+    rows = _rows(peaks)
     assert rows[1][1] == "none: only 3 layers at the depths that all fitted runs have"
 
 
@@ -232,7 +227,10 @@ def _fits_of(depth):
 
 def _rows(peaks):
     """Return the texts of the rows of the table of fits."""
-    return [[cell.text for cell in row] for row in decay_table(peaks).rows]
+    rows = []
+    for row in decay_table(peaks).rows:
+        rows.append([cell.text for cell in row])
+    return rows
 
 
 def test_equal_values_do_not_hide_curves_that_differ(place, tmp_path):
