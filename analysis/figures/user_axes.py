@@ -109,10 +109,25 @@ class UserFigure:
                 axes.tick_params(labelleft=place.is_first_col())
 
     def align(self) -> None:
-        """Give panels with a common horizontal axis the limits of the last one."""
-        if self._has_common_x:
-            for axes in self._panels[:-1]:
-                axes.set_xlim(self._panels[-1].get_xlim())
+        """Give panels with a common horizontal axis the limits of the last one, and its label
+        where no panel is below them.
+        """
+        if not self._has_common_x:
+            return
+        last = self._panels[-1]
+        for axes in self._panels[:-1]:
+            axes.set_xlim(last.get_xlim())
+            if not axes.get_xlabel() and not self._has_panel_below(axes):
+                axes.set_xlabel(last.get_xlabel())
+
+    def _has_panel_below(self, axes: Axes) -> bool:
+        """Return True if a panel is below axes."""
+        place = axes.get_position()
+        for other in self._panels:
+            box = other.get_position()
+            if box.y1 <= place.y0 and box.x0 < place.x1 and place.x0 < box.x1:
+                return True
+        return False
 
     def legend(self, *artists: Any, loc: str = "", **options: Any) -> None:
         """Draw the legend of the figure in its first panel."""

@@ -182,7 +182,7 @@ class Figures:
     )
     colour_map: str | None = schema.typed(
         "colour map of sections, cut packings, maps, animations and pages; default: viridis for "
-        "forces and velocities, inferno for dissipation, cividis for plastic indentations "
+        "forces and velocities, inferno up to orange for dissipation, cividis for plastic indentations "
         "and small waves",
         _COLOUR_MAP,
         default=None,
