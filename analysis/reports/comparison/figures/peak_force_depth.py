@@ -60,7 +60,7 @@ def draw_peaks(
     median. Each panel has its own limits. Lines have gaps where layers are left out.
     """
     n_panels = 1 + _have_medians(peaks)
-    figure, upper, *others = run_panels(len(peaks), n_panels, 1.0 + 1.8 * n_panels)
+    figure, upper, *others = run_panels(len(peaks), n_panels, 2.0 + 0.7 * n_panels)
     fits = common_fits(peaks)
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(peaks)).items():
@@ -292,7 +292,7 @@ def _layer_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     sphere.
     """
     if _have_medians(peaks):
-        return "Largest and median sphere of each layer, on axes of their own."
+        return "Largest and median sphere of each layer."
     return "Largest sphere of each layer." if _have_layers(peaks) else ""
 
 
@@ -311,20 +311,18 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     first = [run.name for run, one in peaks.items() if one.of_first_wave]
     whole = [run.name for run, one in peaks.items() if not one.of_first_wave]
     parts = []
-    is_common = len(peaks) > _MOST_NAMED and not (first and whole)
+    is_common = not (first and whole)
     if first:
         names = "" if is_common else f" ({named(first, len(first))})"
         parts.append(f"of the first wave, before the reflection{names}")
     if whole:
         names = "" if is_common else f" ({named(whole, len(whole))})"
         parts.append(f"of the whole run, with any reflections{names}")
-    later_layers = {run: int(np.count_nonzero(one.is_later)) for run, one in peaks.items()}
-    later = _counts_of_runs(later_layers)
-    if not later:
+    if not any(one.is_later.any() for one in peaks.values()):
         return f"Largest forces {' and '.join(parts)}."
     return (
-        f"Largest forces {' and '.join(parts)}. Markers without a line: layers whose largest force "
-        f"may include a reflection; number of layers: {later}. They are not fitted."
+        f"Largest forces {' and '.join(parts)}. Markers without a line may include a reflection, "
+        "and are not fitted."
     )
 
 

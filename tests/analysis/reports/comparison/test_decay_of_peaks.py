@@ -272,8 +272,11 @@ def test_captions_of_many_runs_name_no_run():
     drawing = draw_peaks(peaks, [])
     for n in range(6):
         assert drawing.columns[f"r{n}_decay_per_m"] == pytest.approx((n + 1) / 10, rel=1e-2)
-    three = dict(list(peaks.items())[:3])
-    assert "(r0, r1, r2)" in wave_notes(three)
+    of_first = dict(list(peaks.items())[:3])
+    assert wave_notes(of_first) == "Largest forces of the first wave, before the reflection."
+    run = next(iter(of_first))
+    whole = of_first | {run: dataclasses.replace(of_first[run], of_first_wave=False)}
+    assert "(r1, r2)" in wave_notes(whole) and "(r0)" in wave_notes(whole)
 
 
 def test_panels_of_many_runs_are_side_by_side():
