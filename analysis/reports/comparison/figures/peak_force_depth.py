@@ -199,7 +199,7 @@ def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return a sentence on the fits of the decay, whose constants are in `decay_table`."""
     fits = common_fits(peaks)
     if not fits:
-        return "No law of decay describes the forces, see the table of the decay."
+        return "No run has a fit, see the table of the decay."
     law = _law(next(iter(fits.values())))
     common = ", one law for all runs" if len(_ranges(peaks)) > 1 else ""
     return f"Dotted: {law}{common}, see the table of the decay."

@@ -90,7 +90,7 @@ def test_runs_without_a_fitted_decay_are_named(place):
     assert decay_notes(peaks) == "Dotted: power law, F ~ z^-n, see the table of the decay."
     alone = {runs[0]: peaks[runs[0]]}
     assert _rows(alone)[0][:2] == ["fcc", "none: only 2 layers"]
-    assert decay_notes(alone) == "No law of decay describes the forces, see the table of the decay."
+    assert decay_notes(alone) == "No run has a fit, see the table of the decay."
 
 
 def test_laws_that_do_not_describe_the_forces_are_refused(place):
