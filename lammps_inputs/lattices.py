@@ -61,6 +61,8 @@ _CLOSE_PACKED = (
     1 / 3,
     math.sqrt(8) / 3,
 )  # downwards in the plane of fcc that contains two preferred directions
+#: Name of the depth along an inclined plane.
+INCLINED = "Depth along the plane"
 _HCP_ROWS = 0.4  # includes the rows of odd layers, at a distance of sqrt(3)/6 from the plane
 
 _HEXAGONAL_PITCH = (1.0, math.sqrt(3) / 2)
@@ -82,7 +84,7 @@ KINDS: dict[str, PackingKind] = {
         pitch=_HEXAGONAL_PITCH,
         site=hexagonal_site(3),
         planes=(
-            SectionPlane(_X, _CLOSE_PACKED, down_label="Depth along the plane"),
+            SectionPlane(_X, _CLOSE_PACKED, down_label=INCLINED),
             SectionPlane(_Y, _Z),
         ),
         zone_growth=_OF_CLOSE_PACKED,

@@ -20,6 +20,7 @@ from granwave.analysis.result.reader import Result
 
 DISSIPATION_LIMITS = (1e-6, 1e-1)  # range of dissipation over input
 _LEAST_DECADES = 3  # default range of a logarithmic scale
+_DECADES_OF_FORCE = 4  # largest range of the peak forces, far below F_y: the elastic wave
 _LEAST_RATIO = 10.0  # highest / lowest value of a scale of nearly equal values
 #: Grains without a value, which differ from both ends of the colour maps in grey prints too.
 _BLANK = "white"
@@ -73,24 +74,17 @@ def force_scale(result: Result) -> tuple[float, str, str]:
     return largest, label, "force_over_largest_force"
 
 
-def peak_force_colouring(result: Result, decades: float | None = None) -> Colouring:
-    """Return the colouring by the largest contact force of each sphere.
-
-    Parameters
-    ----------
-    decades
-        Range of the scale; by default from F_y upwards.
+def peak_force_colouring(result: Result) -> Colouring:
+    """Return the colouring by the largest contact force of each sphere, on one scale in all figures
+    of a run: from the decade of the smallest force, at most four decades.
     """
     scale, label, column = force_scale(result)
     values = result["spheres/peak_force"] / scale
     options = result.figure_options
-    low, high = decades_up_to(
-        float(values.max(initial=0.0)), 1.0 if result.has_yield_force else None
-    )
+    high = decades_up_to(float(values.max(initial=0.0)), None)[1]
+    low = high / 10**_DECADES_OF_FORCE
     low = max(low, 10 ** math.floor(math.log10(_smallest(values, low))))
     low = min(low, high / _LEAST_RATIO)
-    if decades is not None:
-        low = high / 10**decades
     low, high = options.force_limits or (low, high)
     return Colouring(
         values, f"Peak force {label}", f"peak_{column}", options.colour_map or FORCE_MAP, low, high

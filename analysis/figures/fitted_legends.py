@@ -25,6 +25,7 @@ from granwave.analysis.figures.titles import in_lines
 _SIZES = (8.0, 7.0, 6.0)  # font sizes, points; smaller text cannot be read in print
 _TALLEST = 0.38  # height of a legend above axes / height of the axes without it
 _LOW = 0.22  # such a height below which a legend stays above axes with space for it inside
+_NARROW = 0.97  # width of a legend above axes / width of the axes; text widths vary with dpi
 _WIDEST_INSIDE = 0.75  # width of a legend inside axes / width of the axes
 _TALLEST_INSIDE = 0.62  # height of a legend inside axes / height of the axes
 _MOST_LINES = 4  # in an entry
@@ -71,7 +72,7 @@ def narrow_above(axes: Axes) -> None:
     legend = axes.get_legend()
     if legend is None or not is_outside(axes, legend):
         return
-    ratio = axes.bbox.width / legend.get_window_extent().width
+    ratio = _NARROW * axes.bbox.width / legend.get_window_extent().width
     if ratio >= 1:
         return
     size = float(legend.get_texts()[0].get_fontsize())

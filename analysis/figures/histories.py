@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.series import (
     LINES,
     against_time,
+    end_of_axis,
     energy_unit,
     label,
     legend_outside,
@@ -235,6 +237,16 @@ def impactor_velocity(result: Result) -> Drawing | None:
     )
     axes.set_xlim(0, _end_of_change(time, velocity) * _MICRO)
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
+
+
+def words_on_velocity(result: Result, _: Path) -> tuple[str, str]:
+    """Return caption and look of `impactor_velocity` of a run."""
+    time = result["energy/time"]
+    end = _end_of_change(time, result["energy/struck_velocity"])
+    driven = "loaded" if result.case.load.driven else "impacted"
+    look = "Negative values are a rebound; where the velocity is constant, the sphere moves freely."
+    ends = end_of_axis(end, float(time[-1]))
+    return f"Velocity of the {driven} sphere", f"{look} {ends}".rstrip()
 
 
 def _end_of_change(time: NDArray[np.float64], values: NDArray[np.float64]) -> float:

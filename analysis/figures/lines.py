@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from granwave.analysis.figures.force_map import space_time_map
 from granwave.analysis.figures.impact_arrow import impact_arrow
 from granwave.analysis.figures.series import (
     against_time,
+    end_of_axis,
     label,
     panels,
 )
@@ -37,6 +39,12 @@ _MOST_COLUMNS = 2000  # largest number of columns of a map
 _AFTER = 2.0  # end of the diagram of a line over the last arrival
 _FEWEST_TIMES = 8  # instants of a diagram of a line
 _DECADES_OF_SPEED = 3.0  # decades of speed in the diagram of a line
+#: Caption and look of the diagram of a line.
+DIAGRAM = "Speed of a line of grains in space and time, with the front"
+LOOK_OF_DIAGRAM = (
+    "Circles: the front. White: slower than one thousandth of the largest speed before it. "
+    "Colours are as fine as the snapshots."
+)
 _EDGE = [withStroke(linewidth=2.2, foreground="white")]  # visible on dark and bright colours
 _ARRIVALS: dict[str, Any] = {
     "color": "black", "markersize": 2.6, "markeredgecolor": "white", "markeredgewidth": 0.4,
@@ -144,6 +152,15 @@ def line_diagram(result: Result) -> Drawing | None:
         figure.colorbar(image, ax=axes, label="Speed along the line (m/s)", extend="min")
         columns |= _columns_of_motion(motion)
     return Drawing(figure, columns)
+
+
+def words_on_diagram(result: Result, _: Path) -> tuple[str, str]:
+    """Return caption and look of `line_diagram` of a run."""
+    arrow = impact_arrow(result)
+    motions = line_motions(result, arrow.place, arrow.direction)
+    shown = [_last_shown(motion) / _MICRO for motion in motions if motion.velocity.any()]
+    ends = end_of_axis(max(shown, default=np.inf), float(result["energy/time"][-1]))
+    return DIAGRAM, f"{LOOK_OF_DIAGRAM} {ends}".rstrip()
 
 
 def _draw_motion(axes: Axes, motion: LineMotion, colours: str) -> Any:

@@ -35,7 +35,6 @@ _MOST_MARKED = 60  # largest number of layers with a marker each
 # ones are at the foot of the wave, and would only stretch the axis
 _LEAST_RISING = 0.3
 _FEWEST = 2  # fewest layers and loaded contacts of a course of forces
-_LONG_VALUE = 12  # letters of a fitted value beyond which its misfit has a line of the legend
 _LETTERS = 36  # most letters of a line of a legend
 
 
@@ -111,6 +110,8 @@ def words_on_depths(_: Result, table: Path) -> tuple[str, str]:
     data = np.genfromtxt(table, delimiter=",", names=True, ndmin=1)
     names = data.dtype.names or ()
     look = ["A straight line is exponential."]
+    if any(name.startswith("decay_") for name in names):
+        look.append("The fit excludes the impacted and the last layer.")
     if "bead_depth_m" in names:
         caption = (
             "Peak force of the contacts between beads, and of the grains next to them, against "
@@ -248,8 +249,8 @@ def _draw_layers(
     }  # fmt: skip
     for chosen, signs, text in (
         (peaks.is_known, f"{marker}-", name),
-        (peaks.is_later, "s", f"{name}, after the reflection (not fitted)"),
-        (others, "x", f"{name}, still rising at the end"),
+        (peaks.is_later, "s", "after the reflection, not fitted"),
+        (others, "x", "still rising at the end"),
     ):
         if np.any(chosen):
             axes.plot(depth[chosen], force[chosen], signs, label=text, **look)
@@ -267,7 +268,7 @@ def _still_rising(peaks: LayerPeaks) -> NDArray[np.bool_]:
 
 def _wrapped(reason: str) -> str:
     """Return the reason why no decay is drawn, in lines of a legend."""
-    text = reason if reason.startswith("no decay") else f"no fit: {reason}"
+    text = reason if reason.startswith(("no decay", "neither")) else f"no fit: {reason}"
     return "\n".join(wrap(text, _LETTERS))
 
 
@@ -288,7 +289,6 @@ def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> Non
         last = decay.last
         value = with_error(decay.exponent, decay.error)
         law = rf"$z^{{-n}}$, $n$ = {value}"
-    separator = "\n" if len(value) > _LONG_VALUE else " "
     depth = np.linspace(first, last, _POINTS_OF_FIT)
     axes.plot(
         depth * _MILLI,
@@ -296,8 +296,7 @@ def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> Non
         "--",
         color="black",
         linewidth=0.9,
-        label=f"fitted {law},{separator}rms {100 * decay.misfit:.2g} %\n"
-        f"({decay.n_layers} layers, without the impacted and the last layer)",
+        label=f"fitted {law},\nrms {100 * decay.misfit:.2g} %, {decay.n_layers} layers",
     )
 
 

@@ -154,6 +154,7 @@ def draw_zone_size(
             color=colour,
             markerfacecolor=face,
             markersize=_MARKER_SIZE,
+            label=f"{name} with 50, 90, 99 %",
         )
         beyond = np.flatnonzero(outside > _LEAST)  # all energy is at distance 0
         reach = max(
@@ -182,16 +183,6 @@ def draw_zone_size(
     outside_of_all = "Plastic dissipation\nbeyond / total"
     title = f"{title[:1].upper()}{title[1:]} (mm), ${unit}$ = {diameter * _MILLI:.4g} mm"
     label(axes, title, outside_of_all, log="y", **limits)
-    face = "white" if bounds else GREY
-    axes.plot(
-        [],
-        [],
-        "o",
-        color=GREY,
-        markerfacecolor=face,
-        markersize=_MARKER_SIZE,
-        label="contains 50, 90, 99 %",
-    )
     legend_above(axes, 2, fontsize=7)  # three columns are wider than the figure
     return Drawing(figure, columns)
 

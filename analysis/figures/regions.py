@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from granwave.analysis.figures.series import (
     LINES,
     against_time,
     are_relative,
+    is_overlaid,
     label,
     panels,
     scale_by_peaks,
@@ -59,6 +61,9 @@ _COLUMNS = 2  # columns of the legend of regions
 _MOST = 0.5  # dissipated fraction of the input above which the rest has its own panel
 _LEAST_SHOWN = 1e-3  # fraction of the input that a part exceeds at some time, or is not drawn
 _LEAST_LEFT = 1e-12  # fraction of the input, rounding of an energy that is completely dissipated
+_FEWEST_SHIFTED = 4  # fewest curves that oscillate and are shifted
+_MANY_PEAKS = 3  # median number of peaks of curves that are shifted
+_PART_OF_SHIFT = 0.6  # shift / largest force
 _LOW_FIGURE = 2.9  # height of a figure with one panel, inches
 _TALL_FIGURE = 4.4  # with two panels
 _LONG = 24  # characters of a name, beyond which the legend has one column
@@ -73,7 +78,7 @@ def force_at_depths(result: Result) -> Drawing | None:
     if not forces:
         return None
     figure, axes = panels(2.8)
-    curves = {f"{part.depth * _MILLI:.4g} mm": (part.time, part.force) for part in forces}
+    curves = {_depth_name(part.depth): (part.time, part.force) for part in forces}
     columns: dict[str, ArrayLike] = {"time_s": forces[0].time}
     columns |= {f"force_at_{part.depth * _MILLI:.4g}_mm_N": part.force for part in forces}
     looks = [_look(number, forces) for number in range(len(forces))]
@@ -88,11 +93,17 @@ def force_at_depths(result: Result) -> Drawing | None:
     return Drawing(figure, columns)
 
 
+def _depth_name(depth: float) -> str:
+    """Return the name of a plane at a depth below the centre of the impacted sphere, m."""
+    words = f"{abs(depth) * _MILLI:.4g} mm"
+    return f"{words} above" if depth < 0 else words
+
+
 def _draw_forces(
     axes: Axes, curves: dict[str, tuple[Array, Array]], looks: list[dict[str, Any]]
 ) -> None:
     """Draw forces against time, and label their axis. If their peaks differ much, each is divided
-    by its peak, which the legend gives.
+    by its peak, which the legend gives. Curves that oscillate are shifted.
 
     Parameters
     ----------
@@ -106,21 +117,51 @@ def _draw_forces(
     scale, unit = (_KILO, "kN") if largest >= _LARGE else (1.0, "N")
     of_planes = [peak for name, peak in peaks.items() if name != _BOTTOM]
     is_relative = are_relative(of_planes)
-    for (name, (time, force)), look in zip(curves.items(), looks, strict=True):
+    shift = _shift([force for _, force in curves.values()], 1.0 if is_relative else scale * largest)
+    for number, ((name, (time, force)), look) in enumerate(zip(curves.items(), looks, strict=True)):
         text = name
         size = scale
         if is_relative:
             is_reached = peaks[name] > _REACHED * largest
             text = f"{name}: {quantity_in(peaks[name], 'N') if is_reached else 'not reached'}"
             size = 1 / (peaks[name] if is_reached else largest)
-        against_time(axes, time, force * size, label=text, **look)
+        against_time(axes, time, force * size + shift * number, label=text, **look)
+    shifted = ""
+    if shift:
+        by = f"{shift:.4g}" if is_relative else f"{shift:.4g} {unit}"
+        shifted = f",\ncurves shifted by {by} each"
     if is_relative:
-        label(axes, y="Force through the plane / its peak", ylim=(None, _ABOVE_ONE))
+        limits = (None, _ABOVE_ONE + shift * (len(curves) - 1))
+        label(axes, y=f"Force through the plane / its peak{shifted}", ylim=limits)
         legend_above(axes, 2, title="Depth: peak force", handlelength=2.2)
         return
-    label(axes, y=f"Force through the plane ({unit})")
-    scale_by_peaks(axes, [scale * peak for peak in of_planes])
+    label(axes, y=f"Force through the plane ({unit}){shifted}")
+    if not shift:
+        scale_by_peaks(axes, [scale * peak for peak in of_planes])
     legend_above(axes, 3, title="Depth", handlelength=2.2)
+
+
+def _shift(forces: Sequence[Array], largest: float) -> float:
+    """Return the shift between the curves of forces that oscillate, which would cover each other;
+    0 for curves of few peaks, and for curves of two runs.
+
+    Parameters
+    ----------
+    largest
+        Largest value of the axis of unshifted curves.
+    """
+    if len(forces) < _FEWEST_SHIFTED or is_overlaid():
+        return 0.0
+    n_peaks = [_n_peaks(force) for force in forces]
+    if np.median(n_peaks) < _MANY_PEAKS:
+        return 0.0
+    return float(f"{_PART_OF_SHIFT * largest:.1g}")
+
+
+def _n_peaks(force: Array) -> int:
+    """Return how often a force rises through half its largest value."""
+    is_high = force > 0.5 * force.max(initial=0.0)
+    return int(np.count_nonzero(is_high[1:] & ~is_high[:-1]))
 
 
 def _look(number: int, forces: list[ForceAtDepth]) -> dict[str, Any]:

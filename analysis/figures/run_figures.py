@@ -63,6 +63,8 @@ class RunFigure:
     words
         Function of a result and of the path of the table of the figure, which returns caption and
         look of the figure of this run; None: they are the same for all runs.
+    n_axes
+        Number of the axes that ``run.figure(..., ax=)`` needs, in words.
     """
 
     caption: str
@@ -73,6 +75,7 @@ class RunFigure:
     adds: Callable[[Result], bool] | None = None
     needs: str = ""
     words: Callable[[Result, Path], tuple[str, str]] | None = None
+    n_axes: str = "1"
 
     def answers(self, result: Result) -> bool:
         """Return True unless it repeats other figures of this result."""
@@ -178,12 +181,10 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "A straight line is an exponential tail: only the densities are logarithmic. Forces below "
      "1e-4 of the largest are left out."),
     ("line_diagram", lines.line_diagram,
-     "Speed of a line of grains in space and time, with the front",
-     "Circles: the front. White: slower than one thousandth of the largest speed before it. "
-     "Colours are as fine as the snapshots."),
+     lines.DIAGRAM, lines.LOOK_OF_DIAGRAM),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
-     "Delays give the speed, peaks the decay. If the peaks differ much, each curve is divided by "
-     "its peak in the legend."),
+     "Delays give the speed, peaks the decay. Dissimilar curves are divided by their peaks, and "
+     "oscillations are shifted."),
     ("energy_by_region", regions.energy_by_region, "Energy in regions of the packing",
      "A region gains energy when its area grows; the sum of all areas is the energy input."),
 )  # fmt: skip
@@ -206,7 +207,28 @@ _ADDS = {"target": histories.target_moves}
 _WORDS = {
     "along_chain": chains.words_along_chain,
     "bars": chains.words_on_bars,
+    "impactor_velocity": histories.words_on_velocity,
+    "line_diagram": lines.words_on_diagram,
     "peak_force_depth": peak_force_depth.words_on_depths,
+}
+#: Number of the axes of figures of the core with several panels.
+_PANELS = {
+    "dissipation_parts_*": "1 for each kind",
+    "energies": "2",
+    "timestep": "2",
+    "target": "1, or 2 for a target that can move",
+    "plastic_zone_growth": "2",
+    "along_chain": "1, or 2 with dissipation",
+    "bars": "2",
+    "probes": "1 for each quantity",
+    "accelerations": "1 for four sensors",
+    "line_speeds": "1 for each line",
+    "line_decay": "1 for each line",
+    "line_diagram": "1 for each line",
+    "force_map": "1 for the chain, each bar",
+    "directions": "1 or 2, polar",
+    "contact_network": "1 for each state",
+    "wave_front": "4",
 }
 _CHAINS = "a chain"
 #: Runs that have a figure of the core, for those that not all runs have.
@@ -243,6 +265,7 @@ def _figures() -> Iterator[tuple[str, RunFigure]]:
                     adds=adds,
                     needs=_NEEDS.get(name, ""),
                     words=_WORDS.get(name),
+                    n_axes=_PANELS.get(name, "1"),
                 ),
             )
             continue
@@ -253,6 +276,7 @@ def _figures() -> Iterator[tuple[str, RunFigure]]:
                     f"{caption}, {where}",
                     partial(function, name=plane),
                     f"{look} {_BEHIND.get(plane, '')}".rstrip(),
+                    n_axes=_PANELS.get(name, "1"),
                 ),
             )
 

@@ -48,7 +48,7 @@ from granwave.analysis.result.reader import Result
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
 _TALL = 2.5  # height / width of a packing above which all snapshots are in a row ...
-_BROAD = 0.6  # ... and below which they are in a column
+_BROAD = 0.35  # ... and below which they are in a column
 _AROUND_ARROW = 0.3  # distance of the load's arrow from the edge of a section, diameters
 _BEHIND = 0.75  # largest distance of the plane behind a section, diameters
 _SAME_PLANE = 0.05  # distance of centres in one plane, diameters

@@ -47,6 +47,7 @@ from granwave.analysis.figures.user_axes import (
     plots_of,
     user_figure,
 )
+from granwave.analysis.formatting.numbers import quantity_in
 
 _MICRO = 1e6  # in a second
 _MOST_POINTS = 20_000  # most points of a curve; the CSV file has all
@@ -111,6 +112,20 @@ def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
     if user_figure() is not None or place is None or place.is_last_row():
         axes.set_xlabel("Time (µs)")
     axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
+
+
+def end_of_axis(shown: float, last: float) -> str:
+    """Return a sentence on an axis of times that ends before the run; empty if it shows all.
+
+    Parameters
+    ----------
+    shown, last
+        Ends of the axis and of the run, s.
+    """
+    if shown >= last:
+        return ""
+    ends = [quantity_in(float(f"{end:.3g}"), "s") for end in (shown, last)]
+    return f"The axis ends at {ends[0]} of {ends[1]}."
 
 
 def one_panel(height: float, xlabel: str, ylabel: str, **settings: Any) -> tuple[Figure, Axes]:
@@ -210,6 +225,11 @@ def drawn_over() -> Iterator[None]:
         _overlaid.reset(token)
 
 
+def is_overlaid() -> bool:
+    """Return True while figures are drawn over which curves of another run are drawn."""
+    return _overlaid.get()
+
+
 def are_relative(peaks: ArrayLike) -> bool:
     """Return True for curves whose peaks differ so much that the lowest could not be read on a
     common axis: each is divided by its own peak. Curves that the wave has not reached do not count.
@@ -224,7 +244,7 @@ def are_relative(peaks: ArrayLike) -> bool:
     values = np.asarray(peaks, dtype=np.float64)
     values = values[values > _LEAST_PEAK * values.max(initial=0.0)]
     is_wide = len(values) > 0 and values.max() > _UNREADABLE * values.min()
-    return bool(is_wide) and not _overlaid.get()
+    return bool(is_wide) and not is_overlaid()
 
 
 def legend_outside(figure: Figure, ncols: int, **options: Any) -> None:

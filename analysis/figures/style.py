@@ -20,6 +20,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import ArrayLike
@@ -70,7 +71,8 @@ YELLOW = "#F0C000"  # for areas, too pale for lines
 FORCE_MAP = "viridis"
 BOTH_SIDES_MAP = "RdBu_r"  # discs with values above and below zero; lower values are marked
 WAVE_MAP = "cividis"  # maps of values above and below zero, whose ends differ in grey prints
-DISSIPATION_MAP = "inferno"
+DISSIPATION_MAP = "inferno-to-orange"  # ends below white, which is zero, in grey prints too
+_INFERNO = 0.8  # part of inferno with which it begins
 DENT_MAP = "cividis"
 BLANK = "#dcdcdc"  # spheres without a value
 
@@ -100,6 +102,9 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "granwave",  # identical files for identical figures
 }
+
+_DISSIPATION_COLOURS = mpl.colormaps["inferno"](np.linspace(0.0, _INFERNO, 256))
+mpl.colormaps.register(ListedColormap(_DISSIPATION_COLOURS, name=DISSIPATION_MAP), force=True)
 
 Columns = Mapping[str, ArrayLike]
 Made = TypeVar("Made")

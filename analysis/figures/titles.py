@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 _MOST_LINES = 4  # in a title of an axis
 _DIVIDED_BY = "/"  # no line ends with it
+_UNIT = re.compile(r"\([^()]{1,12}\)")  # units in parentheses, which are never broken
 _MATHEMATICS = "$"  # delimiter of formulas, which are never broken
 
 
@@ -56,20 +59,21 @@ def in_two_lines(text: str) -> str:
 
 def in_lines(text: str, n_lines: int) -> str:
     """Return a text of one line in lines of similar length, in fewer if it has too few words;
-    formulas are not broken.
+    formulas and units are not broken.
     """
-    places = [
-        place
-        for place, character in enumerate(text)
-        if character == " "
-        and text[:place][-1:] != _DIVIDED_BY
-        and text.count(_MATHEMATICS, 0, place) % 2 == 0
-    ]
+    places = [place for place, letter in enumerate(text) if letter == " " and _breaks(text, place)]
     if not places:
         return text
     ends = [len(text) * line / n_lines for line in range(1, n_lines)]
     breaks = {min(places, key=lambda place: abs(place - end)) for end in ends}
     return "".join("\n" if place in breaks else character for place, character in enumerate(text))
+
+
+def _breaks(text: str, place: int) -> bool:
+    """Return True for a blank of a text at which a line can end."""
+    if text[:place][-1:] == _DIVIDED_BY or text.count(_MATHEMATICS, 0, place) % 2:
+        return False
+    return not any(unit.start() < place < unit.end() for unit in _UNIT.finditer(text))
 
 
 def _leaves(figure: Figure, title: Text, direction: int, middle: float) -> bool:

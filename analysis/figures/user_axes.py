@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
-from weakref import WeakSet
+from weakref import WeakKeyDictionary, WeakSet
 
 import numpy as np
 from matplotlib import rcParams
@@ -109,10 +109,25 @@ class UserFigure:
                 axes.tick_params(labelleft=place.is_first_col())
 
     def align(self) -> None:
-        """Give panels with a common horizontal axis the limits of the last one."""
-        if self._has_common_x:
-            for axes in self._panels[:-1]:
-                axes.set_xlim(self._panels[-1].get_xlim())
+        """Give panels with a common horizontal axis the limits of the last one, and its label
+        where no panel is below them.
+        """
+        if not self._has_common_x:
+            return
+        last = self._panels[-1]
+        for axes in self._panels[:-1]:
+            axes.set_xlim(last.get_xlim())
+            if not axes.get_xlabel() and not self._has_panel_below(axes):
+                axes.set_xlabel(last.get_xlabel())
+
+    def _has_panel_below(self, axes: Axes) -> bool:
+        """Return True if a panel is below axes."""
+        place = axes.get_position()
+        for other in self._panels:
+            box = other.get_position()
+            if box.y1 <= place.y0 and box.x0 < place.x1 and place.x0 < box.x1:
+                return True
+        return False
 
     def legend(self, *artists: Any, loc: str = "", **options: Any) -> None:
         """Draw the legend of the figure in its first panel."""
@@ -170,34 +185,40 @@ def laid_out(panels: Sequence[Axes]) -> Iterator[None]:
     if figure is None or figure.get_layout_engine() is not None or not _are_usual(panels):
         yield
         return
+    subplots = [axes for axes in figure.axes if _is_usual(axes)]
     figure.set_layout_engine("constrained")
     try:
         yield
         figure.draw_without_rendering()
     finally:
         figure.set_layout_engine(None)
+        for axes in subplots:
+            _laid_out[axes] = axes.get_position(original=True).bounds
 
 
 def _are_usual(panels: Sequence[Axes]) -> bool:
-    """Return True for axes of subplots at the usual places of matplotlib: they were not adjusted or
-    placed by hand.
+    """Return True for axes of subplots at the usual places of matplotlib, or at their places in an
+    earlier layout of granwave: they were not adjusted or placed by hand.
     """
-    for axes in panels:
-        place = axes.get_subplotspec()
-        if place is None or (axes not in _drawn and not _is_in_place(axes)):
-            return False
-    return True
+    has_places = all(axes.get_subplotspec() is not None for axes in panels)
+    return has_places and all(axes in _drawn or _is_usual(axes) for axes in panels)
 
 
-def _is_in_place(axes: Axes) -> bool:
-    """Return True for axes at the place of their subplot with matplotlib's settings."""
-    figure = axes.get_figure(root=True)
+def _is_usual(axes: Axes) -> bool:
+    """Return True for axes at the place of their subplot with matplotlib's settings, or where a
+    layout of granwave left them.
+    """
     place = axes.get_subplotspec()
-    assert figure is not None and place is not None
+    if place is None:
+        return False
+    bounds = axes.get_position(original=True).bounds
+    if axes in _laid_out:
+        return np.allclose(bounds, _laid_out[axes])
+    figure = axes.get_figure(root=True)
+    assert figure is not None
     set_sides = [getattr(figure.subplotpars, side) for side in _SIDES]
     usual = [getattr(SubplotParams(), side) for side in _SIDES]
-    expected = place.get_position(figure).bounds
-    is_there = np.allclose(axes.get_position(original=True).bounds, expected)
+    is_there = np.allclose(bounds, place.get_position(figure).bounds)
     return set_sides == usual and is_there
 
 
@@ -206,6 +227,8 @@ def plots_of(figure: Figure | UserFigure) -> list[Axes]:
     return [axes for axes in figure.axes if axes.get_label() != _COLOUR_BAR]
 
 
+#: Places of the subplots of users in the last layout of granwave: left, bottom, width, height.
+_laid_out: WeakKeyDictionary[Axes, tuple[float, ...]] = WeakKeyDictionary()
 #: Label of titles of ours, which get the text sizes of the user in his axes.
 SCALED_TEXT = "title of granwave"
 

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.measures.signals import Array
-from granwave.lammps_inputs.lattices import kind_of, section_planes
+from granwave.lammps_inputs.lattices import INCLINED, kind_of, section_planes
 
 _LEVEL = 1 - 1e-9  # cosine from which two directions are the same
 _LAYER_GAP = 0.2  # diameters of the smallest sphere, between two layers
@@ -115,7 +115,7 @@ def own_plane(
     across = np.cross(down, unit)
     across *= 1.0 if across[np.argmax(np.abs(across))] > 0 else -1.0
     vertical = abs(unit[2]) < 1 - _LEVEL
-    down_label = "Depth" if vertical else "Depth along the plane"
+    down_label = "Depth" if vertical else INCLINED
     if level:
         down_label = "y"
     axis = "Distance across"

@@ -43,7 +43,7 @@ from granwave.analysis.scans.keys import VariedKey, shown
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#E69F00", GREY, "black")
 _MARKERS = "os^DvPX*"
 _LINES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
-_HATCHES = ("", "////", "....")
+_HATCHES = ("", "////", "....", "xxxx", "----", "\\\\")
 _SCALE_MAP = "viridis"
 _HEIGHT = 2.3  # inches, without the legend
 _LINE = 0.15  # inches, height of a line of names

@@ -237,8 +237,8 @@ def lattices() -> str:
 
 
 def figures() -> str:
-    """Return the list of the figures of a run: name, picture, content, and the runs that have
-    it.
+    """Return the list of the figures of a run: name, content with the runs that have it, number of
+    axes, and picture.
     """
     table = tomllib.loads((FIGURES / "figures.toml").read_text(encoding="utf-8"))
     runs = {}
@@ -251,7 +251,7 @@ def figures() -> str:
     planes: dict[str, list[str]] = {}
     for name in run_figures():
         planes.setdefault(_PLANE.sub("_*", name), []).append(name)
-    lines = ["| figure | content | picture |", "|---|---|---|"]
+    lines = ["| figure | content | axes | picture |", "|---|---|---|---|"]
     for title, names in planes.items():
         drawn = [name for name in names if name in runs]
         lines.append(_figure(title, names[0], drawn[0] if drawn else "", runs))
@@ -276,11 +276,13 @@ def _figure(title: str, first: str, drawn: str, runs: Mapping[str, Mapping[str, 
     caption = _AT_PLANE.sub("", figure.caption) if title.endswith("*") else figure.caption
     text = f"**{_escape(caption)}.** {_escape(figure.look)}"
     if not drawn:
-        return f"| `{title}` | {text} | - |"
+        return f"| `{title}` | {text} | {figure.n_axes} | - |"
     entry = runs[drawn]
     picture = f"![{_escape(caption)}](../figures/reference/figures/{drawn}.webp)"
     here = f"`{entry['case']}`{_changed(entry['changes'])}"
-    return f"| `{title}` | {text} *In {entry['runs']}; here {here}.* | {picture} |"
+    return (
+        f"| `{title}` | {text} *In {entry['runs']}; here {here}.* | {figure.n_axes} | {picture} |"
+    )
 
 
 def _changed(changes: Mapping[str, Any]) -> str:

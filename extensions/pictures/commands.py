@@ -73,8 +73,8 @@ COMMANDS = (
                 "--view",
                 metavar="NAME",
                 words=_views,
-                help="view: orthogonal, principal, section, 3d or chain (default: all available "
-                "views)",
+                help="view: principal, orthogonal, section, 3d or chain (default: the chain in "
+                "space-time, or the first plane that the packing has)",
             ),
             [
                 option(

@@ -77,7 +77,7 @@ QUANTITIES: Mapping[str, tuple[Callable[[Result, int], NDArray[np.float64]], str
         DISSIPATION_MAP,
     ),
 }  # fmt: skip
-PLANES = ("orthogonal", "principal", "section")
+PLANES = ("principal", "orthogonal", "section")  # chains of touching spheres are in the first
 VIEWS = (*PLANES, "3d", "chain")
 
 
@@ -318,8 +318,9 @@ def write_film(
     quantity
         ``force`` (largest contact force of each sphere), ``velocity`` or ``dissipation``.
     view
-        ``orthogonal`` or ``principal`` plane, ``section`` (the plane of the options), ``3d``, or
-        ``chain`` (forces in space-time); by default all views of the packing.
+        ``principal`` or ``orthogonal`` plane, ``section`` (the plane of the options), ``3d``, or
+        ``chain`` (forces in space-time); by default that of a chain, or the
+        first plane that the packing has.
     width
         Width, pixels; the height follows from the view.
     size

@@ -38,7 +38,6 @@ _HIGHEST = 6.5  # inches, of the picture
 AZIMUTH = -58.0
 ELEVATION = 30.0
 _MILLI = 1e3  # mm in a metre
-_DECADES = 4  # decades of peak force, far below F_y, to include the elastic wave
 _ARROW = 0.1  # length of the arrow of the load over the width of the picture
 _AROUND_ARROW = 0.01  # between the arrow and the edge, over the width of the picture
 _CUT = 0.3  # diameters: spheres that extend beyond the cutting planes by less are kept
@@ -53,7 +52,7 @@ def packing_3d(result: Result) -> Drawing | None:
     """Draw the cut packing, coloured by peak force."""
     if not np.any(result["spheres/peak_force"] > 0):
         return None
-    return draw_packing(result, peak_force_colouring(result, _DECADES))
+    return draw_packing(result, peak_force_colouring(result))
 
 
 def packing_3d_dissipation(result: Result) -> Drawing | None:

@@ -182,8 +182,8 @@ class Figures:
     )
     colour_map: str | None = schema.typed(
         "colour map of sections, cut packings, maps, animations and pages; default: viridis for "
-        "forces and velocities, inferno for dissipation, cividis for plastic indentations "
-        "and small waves",
+        "forces and velocities, inferno up to orange for dissipation, cividis for plastic "
+        "indentations and small waves",
         _COLOUR_MAP,
         default=None,
     )

@@ -361,8 +361,9 @@ def _peak_text(difference: float) -> str:
 
 
 def _pictures(comparison: Comparison) -> list[Block]:
-    """Return the figures, and the figures that could not be drawn."""
+    """Return the figures with their tables, and the figures that could not be drawn."""
     figures: list[Figure] = []
+    tables: list[Block] = []
     failed: list[NotDrawn] = []
     for name in comparison.wanted_figures:
         drawing = comparison.drawing(name)
@@ -371,7 +372,8 @@ def _pictures(comparison: Comparison) -> list[Block]:
             make = partial(picture_of, drawing, slug, comparison.caption(name))
             picture = attempt(f"figure {name}", make)
             failed.append(picture) if isinstance(picture, NotDrawn) else figures.append(picture)
+            tables += comparison.tables_of(name)
         elif isinstance(drawing, NotDrawn):
             failed.append(drawing)
     blocks: list[Block] = [Gallery(tuple(figures))] if figures else []
-    return blocks + [Note(f"The {reason}.", "bad") for reason in failed]
+    return blocks + tables + [Note(f"The {reason}.", "bad") for reason in failed]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from granwave.analysis.document.model import DocumentTable
 from granwave.analysis.errors import MissingDataError
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
@@ -382,6 +383,12 @@ class Comparison:
         if data.lacking:
             parts.append(f"Not drawn: {by_reason(data.lacking)}.")
         return " ".join(filter(None, parts))
+
+    def tables_of(self, name: str) -> list[DocumentTable]:
+        """Return the tables of the data of a figure: one or none."""
+        make = FIGURES[name].table
+        table = None if make is None else make(self.data(name).present)
+        return [] if table is None else [table]
 
     def _measured_words(self, name: str) -> str:
         curve = self.measured[name]

@@ -33,10 +33,13 @@ from granwave.analysis.measures.dynamic_force import dynamic_peak_forces, has_st
 from granwave.analysis.measures.geometry import SpheresOnPlane
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+from granwave.lammps_inputs.lattices import INCLINED
 
 Window = tuple[float, float, float, float]  # left, right, top, bottom; mm
 
 _PLANES = ("principal", "orthogonal")  # the first that a packing has; spheres of it touch
+_SAME_PLANE = 0.05  # distance of centres in one plane, diameters
+_CUT = 0.5  # tolerance from which a section has all spheres that its plane cuts, diameters
 _ACROSS = 3  # most panels in a row ...
 _UNLIKE_SIZES = 2.0  # largest over smallest section from which on each has its own scale
 _IN_PAIRS = 2  # ... and panels in a row of four
@@ -96,6 +99,19 @@ class ForceField:
     diameter: float
     has_static: bool = False
 
+    @property
+    def plane(self) -> str:
+        """Plane of the section in words."""
+        plane = self.cut.plane
+        is_flat = bool(np.all(np.abs(self.cut.height) <= _SAME_PLANE * self.diameter))
+        if plane.down_label == INCLINED:
+            return "inclined lattice plane of touching spheres"
+        if is_flat:
+            return "vertical lattice plane of touching spheres"
+        if plane.tolerance < _CUT:
+            return "zigzag rows of touching spheres, projected onto a vertical plane"
+        return "spheres at a vertical plane, projected"
+
     def window(self, least: float) -> Window:
         """Return the part of the plane where forces are not below ``least``, N."""
         return window_around(self.cut, self.force >= least, self.diameter)
@@ -131,8 +147,8 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
     is_shared = not _differ_in_size([fields[run].window(0.0) for run in runs])
     if is_shared:
         windows = [_joint(windows)] * len(runs)
-    depth_label = _depth_label([fields[run] for run in runs])
-    figure, panels = _panels(windows, depth_label, shared=is_shared)
+    depth_labels = [f"{fields[run].cut.plane.down_label} (mm)" for run in runs]
+    figure, panels = _panels(windows, depth_labels, shared=is_shared)
     columns: dict[str, Array] = {}
     is_dynamic = any(fields[run].has_static for run in runs)
     title = "Peak dynamic force (N)" if is_dynamic else "Peak force (N)"
@@ -148,6 +164,17 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
     colour_bar(figure, panels, colouring, forces, location="top")
     trim_height(figure, panels)
     return Drawing(figure, columns)
+
+
+def plane_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
+    """Return a sentence on the planes of the sections, with their runs where they differ."""
+    names: dict[str, list[str]] = {}
+    for run, field in fields.items():
+        names.setdefault(field.plane, []).append(run.name)
+    if len(names) == 1:
+        return f"Section: {next(iter(names))}."
+    parts = [f"{plane} ({', '.join(runs)})" for plane, runs in names.items()]
+    return f"Sections: {'; '.join(parts)}."
 
 
 def scale_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
@@ -188,7 +215,8 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         return None
     norm = SymLogNorm(_LINEAR * largest, linscale=_LINEAR_PART, vmin=-largest, vmax=largest)
     window = first.window(decades_up_to(float(first.force.max()), None)[0])
-    figure, panels = _panels([window] * len(changes), _depth_label([first]))
+    depth_label = f"{first.cut.plane.down_label} (mm)"
+    figure, panels = _panels([window] * len(changes), [depth_label] * len(changes))
     columns: dict[str, Array] = {}
     for axes, (run, change) in zip(panels, changes.items(), strict=True):
         _draw_changes(axes, first, change, norm)
@@ -288,18 +316,14 @@ def _mark_lower_half(axes: Axes, norm: SymLogNorm) -> None:
     )
 
 
-def _depth_label(fields: Sequence[ForceField]) -> str:
-    """Return the label of the vertical axis: depth, or depth along inclined planes."""
-    labels = {field.cut.plane.down_label for field in fields}
-    return f"{labels.pop()} (mm)" if len(labels) == 1 else "Depth along the plane (mm)"
-
-
 def _panels(
-    windows: Sequence[Window], depth_label: str, *, shared: bool = True
+    windows: Sequence[Window], depth_labels: Sequence[str], *, shared: bool = True
 ) -> tuple[MatplotlibFigure, list[Axes]]:
     """Return a figure with a panel for each section, with common axes if they are shared; rows of
-    panels are as high as their highest section.
+    panels are as high as their highest section. Depths, and depths along inclined planes, are no
+    common axis: each panel has its label.
     """
+    is_one_depth = len(set(depth_labels)) == 1
     number = len(windows)
     across = _IN_PAIRS if number == _IN_PAIRS**2 else min(number, _ACROSS)
     width = WIDTH if number == 1 else 2 * WIDTH
@@ -314,18 +338,21 @@ def _panels(
         len(heights),
         across,
         sharex=shared,
-        sharey=shared,
+        sharey=shared and is_one_depth,
         squeeze=False,
         gridspec_kw={"height_ratios": heights},
     )
     for empty in grid.flat[number:]:
         empty.set_visible(False)
-    for title in (
-        figure.supxlabel("Distance from the impact axis (mm)", fontsize=_FONT),
-        figure.supylabel(depth_label, fontsize=_FONT),
-    ):
-        title.set_label(SCALED_TEXT)
-    return figure, list(grid.flat[:number])
+    panels = list(grid.flat[:number])
+    across_title = figure.supxlabel("Distance from the impact axis (mm)", fontsize=_FONT)
+    across_title.set_label(SCALED_TEXT)
+    if is_one_depth:
+        figure.supylabel(depth_labels[0], fontsize=_FONT).set_label(SCALED_TEXT)
+    else:
+        for axes, depth_label in zip(panels, depth_labels, strict=True):
+            axes.set_ylabel(depth_label)
+    return figure, panels
 
 
 def _joint(windows: Sequence[Window]) -> Window:

@@ -24,6 +24,7 @@ from granwave.extensions.pictures.view.instants import Instants
 
 BLANK = "#a4a4a4"  # spheres below the scale; the lights of the page make it paler
 LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
+_ENLARGED = 1.3  # size of a colour bar on the page / size of a printed one
 _DECADES = 4  # decades of a scale of forces, far below F_y, to include the elastic wave
 _DOTS = 2  # pixels of a colour bar over those on the screen
 
@@ -155,6 +156,6 @@ def colour_bar(field: Field) -> str:
         stream = io.BytesIO()
         figure.savefig(stream, format="png", dpi=96 * _DOTS, transparent=True)
     encoded = base64.b64encode(stream.getvalue()).decode("ascii")
-    width = round(96 * figure.get_figwidth() * 1.15)
+    width = round(96 * figure.get_figwidth() * _ENLARGED)
     label = html.escape(field.label)
     return f'<img alt="{label}" width="{width}" src="data:image/png;base64,{encoded}">'

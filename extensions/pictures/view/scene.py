@@ -37,6 +37,7 @@ _MOVES = 0.05  # diameters: spheres with smaller displacements are drawn at rest
 _STOP = 0.3  # diameters: spheres of the plane of a section stay
 _PHONE_WIDTH = 600  # pixels below which the panel is closed at first
 _FIELD_OF_VIEW = 40.0  # degrees
+_AROUND_GRID = 1.15  # radius of the view / half the diagonal of the grid: numbers around it
 _SECONDS = 8.0  # duration of the animation, s
 _SIDES = 32  # sides of a cylinder
 _MOST_DEPTHS = 6  # intervals of the numbers along a chain
@@ -65,9 +66,10 @@ def plot_of(
 
     place = _MILLI * (result["spheres/position"][rows] - result.origin)
     times = (_MICRO * instants.times).tolist()
-    camera = _camera(result, place)
+    grid = round_grid(place, _MILLI * result.case.packing.diameter / 2)
+    camera = _camera(result, place, grid)
     plot = k3d.plot(
-        axes=[r"\text{x}", r"\text{y}", r"\text{depth}\qquad\quad"],
+        axes=[r"\text{x (mm)}", r"\text{y (mm)}", r"\text{depth (mm)}\qquad\qquad"],
         camera_auto_fit=False,
         camera_fov=_FIELD_OF_VIEW,
         colorbar_object_id=0,
@@ -76,7 +78,7 @@ def plot_of(
         lighting=2.0,
         axes_helper=0.0,
         grid_auto_fit=False,  # otherwise numbers along the axes start at any millimetre
-        grid=round_grid(place, _MILLI * result.case.packing.diameter / 2).tolist(),
+        grid=grid.tolist(),
         grid_visible=not result.case.packing.rule.is_chain,
         name=result.case.name,
         antialias=1,
@@ -321,9 +323,16 @@ def round_grid(place: NDArray[np.float64], margin: float) -> NDArray[np.float64]
     return np.concatenate([low, high])
 
 
-def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:
+def _camera(result: Result, place: NDArray[np.float64], grid: NDArray[np.float64]) -> list[float]:
     """Return position, target and upward direction of the camera: a chain lies across the view, a
-    layer faces the viewer.
+    layer faces the viewer, a packing is seen with its grid and the numbers around it.
+
+    Parameters
+    ----------
+    place
+        Centres of the spheres, mm: (n, 3).
+    grid
+        Corners of the grid, as of `round_grid`, mm: (6,).
     """
     size = np.ptp(place, axis=0)
     middle = (place.min(axis=0) + place.max(axis=0)) / 2
@@ -336,6 +345,10 @@ def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:
     else:
         up = np.array([0.0, 0.0, -1.0])
         towards = Camera.looking(AZIMUTH, ELEVATION, up).towards
+        middle = (grid[:3] + grid[3:]) / 2
+        extent = _AROUND_GRID * float(np.linalg.norm(grid[3:] - grid[:3])) / 2
+        distance = extent / math.sin(math.radians(_FIELD_OF_VIEW / 2))
+        return [*(middle + distance * towards).tolist(), *middle.tolist(), *up.tolist()]
     reach = float(np.linalg.norm(size)) / 2 + _MILLI * result.case.packing.diameter
     distance = reach / math.tan(math.radians(_FIELD_OF_VIEW / 2))
     return [*(middle + distance * towards).tolist(), *middle.tolist(), *up.tolist()]

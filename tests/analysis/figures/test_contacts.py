@@ -256,7 +256,7 @@ def test_the_loaded_contacts_are_those_of_the_summary(tmp_path):
 
 
 def test_the_legend_has_the_number_of_fitted_layers():
-    """The fit of the peak force omits the impacted and the last layer, as its legend says."""
+    """The fit of the peak force omits the impacted and the last layer, as its caption says."""
     depth = np.arange(12) * 8.0e-3
     decay = power_decay(depth, 100.0 * np.exp(-50.0 * depth), 8.0e-3)
     assert decay is not None
@@ -266,7 +266,7 @@ def test_the_legend_has_the_number_of_fitted_layers():
     plt.close(figure)
     n_layers = decay.n_layers
     assert n_layers == 10
-    assert f"({n_layers} layers, without the impacted and the last layer)" in line.get_label()
+    assert line.get_label().endswith(f" %, {n_layers} layers")
 
 
 def test_captions_explain_what_is_drawn():

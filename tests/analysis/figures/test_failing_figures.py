@@ -232,7 +232,7 @@ def test_colours_and_limits(result):
     result.figure_options = Figures(
         colour_map="plasma", force_limits=(0.1, 90.0), dissipation_limits=(1e-4, 0.5)
     )
-    force = sections.peak_force_colouring(result, 4)
+    force = sections.peak_force_colouring(result)
     loss = sections.dissipation_colouring(result)
     assert (force.map, force.low, force.high) == ("plasma", 0.1, 90.0)
     assert (loss.map, loss.low, loss.high) == ("plasma", 1e-4, 0.5)

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from matplotlib import pyplot, rc_context
+from matplotlib import colormaps, pyplot, rc_context
 from matplotlib.text import Text
 
 from granwave.analysis import analyse
 from granwave.analysis.errors import MissingDataError
+from granwave.analysis.figures import regions
+from granwave.analysis.figures.colouring import peak_force_colouring
 from granwave.analysis.figures.legends import covers_curve
+from granwave.analysis.figures.run_figures import run_figures
+from granwave.analysis.figures.series import drawn_over, end_of_axis
+from granwave.analysis.figures.style import DISSIPATION_MAP
 from granwave.analysis.figures.titles import in_lines
 from granwave.analysis.notebook.run import Run
 from granwave.lammps_inputs.errors import InputError
@@ -248,3 +253,103 @@ def test_texts_have_one_font_and_a_readable_size(runs, name):
     assert {text.get_fontname() for text in texts} == {"DejaVu Serif"}
     assert min(text.get_fontsize() for text in texts) >= 6
     pyplot.close(figure)
+
+
+_NAMES = ("bottom_force", "peak_force_depth", "plastic_zone_size", "impactor_velocity")
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "layout"),
+    [((1, 2), (7, 2.6), None), ((1, 2), (9, 3.6), None), ((2, 2), (7, 5), "constrained")],
+)
+def test_texts_of_neighbouring_panels_do_not_overlap(runs, shape, size, layout):
+    """Labels, second axes and legends have room of their own, and no unit is broken, in a figure
+    that granwave draws panel by panel.
+    """
+    figure, panels = pyplot.subplots(*shape, figsize=size, layout=layout)
+    for axes, name in zip(panels.flat, _NAMES, strict=False):
+        runs[0].figure(name, ax=axes)
+    figure.draw_without_rendering()
+    boxes = []
+    for axes in figure.axes:
+        for title in (axes.xaxis.label, axes.yaxis.label):
+            assert "(mN\n" not in title.get_text()
+            boxes.append(title.get_window_extent())
+        legend = axes.get_legend()
+        if legend is not None:
+            boxes.append(legend.get_window_extent())
+    pyplot.close(figure)
+    drawn = [box for box in boxes if box.width > 0]
+    for number, box in enumerate(drawn):
+        assert box.x0 > -1 and box.x1 < figure.bbox.width + 1
+        assert box.y0 > -1 and box.y1 < figure.bbox.height + 1
+        assert box.padded(-1).count_overlaps(drawn[number + 1 :]) == 0
+
+
+def test_units_stay_on_one_line():
+    label = "Impulse (mN s), dashed"
+    assert in_lines(label, 2) == "Impulse\n(mN s), dashed"
+    assert in_lines("Impulse (mN s)", 4) == "Impulse\n(mN s)"
+
+
+@pytest.mark.parametrize("name", ["energies", "plastic_zone_growth", "impactor_velocity"])
+def test_figures_need_the_number_of_axes_in_the_documents(runs, name):
+    number = run_figures()[name].n_axes
+    figure, panels = pyplot.subplots(1, int(number), squeeze=False)
+    runs[0].figure(name, ax=list(panels.flat))
+    pyplot.close(figure)
+
+
+def test_panels_side_by_side_have_the_common_label_each(runs, axes):
+    """Panels that would be below each other share their last label; yours may be in a row."""
+    runs[0].figure("plastic_zone_growth", ax=axes)
+    assert [panel.get_xlabel() for panel in axes] == ["Time (µs)", "Time (µs)"]
+    figure, stack = pyplot.subplots(2, 1)
+    runs[0].figure("plastic_zone_growth", ax=list(stack))
+    assert [panel.get_xlabel() for panel in stack] == ["", "Time (µs)"]
+    pyplot.close(figure)
+
+
+def test_sizes_of_depth_and_radius_have_their_own_marks_in_the_legend(runs):
+    legend = runs[0].figure("plastic_zone_size").get_legend()
+    marks = {
+        text.get_text(): handle.get_marker()
+        for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True)
+    }
+    assert marks["depth with 50, 90, 99 %"] == "o" and marks["radius with 50, 90, 99 %"] == "s"
+
+
+def test_captions_say_where_an_axis_of_times_ends(runs, tmp_path):
+    figure = run_figures()["impactor_velocity"]
+    _, look = figure.words(runs[0].result, tmp_path)
+    axes = runs[0].figure("impactor_velocity")
+    last = 1e6 * runs[0].result["energy/time"][-1]
+    assert ("The axis ends at" in look) == (axes.get_xlim()[1] < last)
+    assert end_of_axis(80e-6, 300e-6) == "The axis ends at 80 µs of 300 µs."
+    assert end_of_axis(300e-6, 300e-6) == ""
+
+
+def test_the_largest_dissipation_differs_from_white():
+    """Zero is white: in grey prints the end of the scale is darker, and lightness rises."""
+    grey = colormaps[DISSIPATION_MAP](np.linspace(0, 1, 50))[:, :3] @ [0.299, 0.587, 0.114]
+    assert np.all(np.diff(grey) > 0) and grey[-1] < 0.75
+
+
+def test_peak_forces_have_one_scale(runs):
+    """Sections and the cut packing have the scale of all spheres: none is outside."""
+    colouring = peak_force_colouring(runs[0].result)
+    values = colouring.values[colouring.values > 0]
+    assert (
+        colouring.low <= max(values.min(), colouring.high / 1e4) and values.max() <= colouring.high
+    )
+
+
+def test_curves_that_oscillate_are_shifted():
+    time = np.linspace(0, 1, 400)
+    waves = [np.sin(25 * (time - delay)) ** 2 for delay in (0.0, 0.1, 0.2, 0.3)]
+    assert regions._shift(waves, 300.0) == pytest.approx(200.0)
+    pulses = [np.exp(-((time - delay) ** 2) * 400) for delay in (0.2, 0.4, 0.6, 0.8)]
+    assert regions._shift(pulses, 300.0) == 0
+    with drawn_over():
+        assert regions._shift(waves, 300.0) == 0
+    assert regions._depth_name(-0.005) == "5 mm above" and regions._depth_name(0.045) == "45 mm"

@@ -88,7 +88,7 @@ def test_figure_shows_later_forces_as_hollow_markers(cubic):
         drawing = peak_force_depth(cubic)
     axes = drawing.figure.axes[0]
     lines = {line.get_label(): line for line in axes.lines}
-    later = lines["largest of the layer, after the reflection (not fitted)"]
+    later = lines["after the reflection, not fitted"]
     assert later.get_markerfacecolor() == "none" and later.get_linestyle() == "None"
     assert later.get_xdata() == pytest.approx(peaks.depth[peaks.is_later] * 1e3)
     assert lines["largest of the layer"].get_xdata() == pytest.approx(

@@ -18,7 +18,13 @@ from pandas import DataFrame, concat
 from granwave.analysis.figures.scales import plain_powers
 from granwave.analysis.figures.style import BLUE, style
 from granwave.analysis.measures.zone_size import Mark
-from granwave.analysis.scans.drawing import _scale_abscissae, draw_bars, draw_curves, draw_map
+from granwave.analysis.scans.drawing import (
+    _HATCHES,
+    _scale_abscissae,
+    draw_bars,
+    draw_curves,
+    draw_map,
+)
 from granwave.analysis.scans.figures import draw_scan_figures, drawings
 from granwave.analysis.scans.keys import key_of
 from granwave.analysis.scans.means import means_of
@@ -410,3 +416,7 @@ def test_crowded_values_of_a_key_have_round_ticks():
     axes.set_xlim(0, 100)
     _scale_abscissae(axes, places, chosen=True)
     assert 1 not in axes.get_xticks()
+
+
+def test_bars_of_four_curves_differ_in_grey_prints():
+    assert len(set(_HATCHES)) >= 6

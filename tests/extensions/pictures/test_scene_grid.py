@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from granwave.extensions.pictures.view import scene
 from granwave.extensions.pictures.view.scene import round_grid
 
 
@@ -23,3 +27,15 @@ def test_numbers_along_the_axes_are_round(size, steps):
     np.testing.assert_allclose(high, place.max(axis=0) + margin)
     places = low / np.array(steps)
     np.testing.assert_allclose(places, places.round(), atol=1e-9)
+
+
+def test_the_camera_sees_the_grid_of_a_packing():
+    """A sphere around the grid is within the field of view, which is centred on it."""
+    grid = np.array([-70.0, -60.0, -10.0, 80.0, 60.0, 70.0])
+    places = np.array([[-65.0, -55.0, -5.0], [75.0, 55.0, 65.0]])
+    case = SimpleNamespace(packing=SimpleNamespace(rule=SimpleNamespace(is_chain=False)))
+    camera = np.array(scene._camera(SimpleNamespace(case=case), places, grid))
+    distance = np.linalg.norm(camera[:3] - camera[3:6])
+    assert camera[3:6] == pytest.approx((grid[:3] + grid[3:]) / 2)
+    reach = distance * math.sin(math.radians(scene._FIELD_OF_VIEW / 2))
+    assert reach > np.linalg.norm(grid[3:] - grid[:3]) / 2

@@ -55,7 +55,7 @@ def draw_energies(
     A form of energy that is zero in every run has no panel.
     """
     forms = [form for form in FORMS if _has_energy(curves, form)]
-    figure, *stack = run_panels(len(curves), len(forms), 1.0 + 1.1 * len(forms), _SIDE_BY_SIDE)
+    figure, *stack = run_panels(len(curves), len(forms), 1.0 + 0.9 * len(forms), _SIDE_BY_SIDE)
     columns: dict[str, Array] = {}
     colours: dict[ComparedRun, str] = {}
     for run, look in run_styles(list(curves)).items():

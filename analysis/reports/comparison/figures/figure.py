@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+from granwave.analysis.document.model import DocumentTable
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.reports.comparison.curves import SampledCurve
 from granwave.analysis.reports.comparison.measured_curve import MeasuredCurve
@@ -51,6 +52,8 @@ class ComparisonFigure:
         states different ends.
     values
         Values of summary.json that a sentence compares if only this figure is requested.
+    table
+        Function that returns a table of the data for reports, below the figures.
     """
 
     caption: str
@@ -65,6 +68,7 @@ class ComparisonFigure:
     least: int = 1
     is_cumulative: bool = False
     values: tuple[str, ...] = ()
+    table: Callable[[Mapping[ComparedRun, Any]], DocumentTable | None] | None = None
 
 
 @dataclass(frozen=True, eq=False)

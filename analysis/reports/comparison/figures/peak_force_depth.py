@@ -8,11 +8,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.document.model import named
+from granwave.analysis.document.model import DocumentTable, named, text_table
 from granwave.analysis.figures.series import column_name, label
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.formatting.numbers import interval
-from granwave.analysis.measures.force_decay import Decay, ForceDecay, better_of, objection
+from granwave.analysis.measures.force_decay import (
+    Decay,
+    ForceDecay,
+    PowerDecay,
+    accepted,
+    decays_within,
+    objection,
+    reason_against,
+)
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
     PeaksByDepth,
@@ -36,9 +44,10 @@ from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _MILLI = 1e3
 _POINTS_OF_FIT = 30
-_MOST_CONSTANTS = 3  # fits whose constants the caption lists
+_MOST_NAMED = 3  # runs that a sentence of the caption names
 _N_LAWS = 2  # laws of decay: exponential and power
-_OTHER_LAW = "it follows the other law"
+_HEADS_OF_FITS = ("Run", "Law", "Constant, standard error", "rms misfit", "Layers")
+_SAME_RANGE = 1e-3  # difference of equal ranges of depth, diameters
 _LEAST_MEDIAN = 1e-5  # of the largest force of a run; smaller medians are of layers at rest
 
 
@@ -51,7 +60,7 @@ def draw_peaks(
     median. Each panel has its own limits. Lines have gaps where layers are left out.
     """
     n_panels = 1 + _have_medians(peaks)
-    figure, upper, *others = run_panels(len(peaks), n_panels, 1.0 + 1.8 * n_panels)
+    figure, upper, *others = run_panels(len(peaks), n_panels, 2.0 + 0.7 * n_panels)
     fits = common_fits(peaks)
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(peaks)).items():
@@ -131,60 +140,106 @@ def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     return f"{title} (N)"
 
 
+def common_decays(
+    peaks: Mapping[ComparedRun, PeaksByDepth],
+) -> dict[ComparedRun, tuple[ForceDecay, PowerDecay] | str]:
+    """Return the fits of each run by both laws to the depths in diameters that all runs with fits
+    have, or the reason why a run has no fits.
+
+    Constants of different ranges would differ where the forces follow no law exactly, even for
+    equal forces.
+    """
+    limits = _common_range(peaks)
+    decays: dict[ComparedRun, tuple[ForceDecay, PowerDecay] | str] = {}
+    for run, one in peaks.items():
+        if one.decays is None or limits is None:
+            decays[run] = one.no_decay
+        else:
+            decays[run] = decays_within(one.decays, one.depth, one.largest, limits)
+    return decays
+
+
+def _common_range(peaks: Mapping[ComparedRun, PeaksByDepth]) -> tuple[float, float] | None:
+    """Return the smallest and largest depth, in diameters, of the layers that can be fitted in all
+    runs with fits; None without fits.
+    """
+    ranges = _ranges(peaks)
+    if not ranges:
+        return None
+    return max(first for first, _ in ranges), min(last for _, last in ranges)
+
+
+def _ranges(peaks: Mapping[ComparedRun, PeaksByDepth]) -> list[tuple[float, float]]:
+    """Return the ranges of depth, in diameters, of the layers of each run that can be fitted."""
+    powers = [one.decays[1] for one in peaks.values() if one.decays is not None]
+    return [(fit.first / fit.diameter, fit.last / fit.diameter) for fit in powers]
+
+
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
     """Return the fits of the runs that have one, by the law that fits all runs better.
 
-    The law is the same for all runs, so that its constants can be compared: the exponential or the
-    power that describes more runs, of two that describe equally many the one with the smaller sum
-    of squared misfits. Runs that it does not describe have no fit.
+    Law and range of depths are the same for all runs, so that the constants can be compared: the
+    exponential or the power that describes more runs, of two that describe equally many the one
+    with the smaller sum of squared misfits. Runs that it does not describe have no fit.
     """
-    laws = [_described(peaks, number) for number in range(_N_LAWS)]
+    decays = common_decays(peaks)
+    laws = [_described(decays, number) for number in range(_N_LAWS)]
     return min(laws, key=lambda fits: (-len(fits), sum(fit.misfit**2 for fit in fits.values())))
 
 
-def _described(peaks: Mapping[ComparedRun, PeaksByDepth], number: int) -> dict[ComparedRun, Decay]:
+def _described(
+    decays: Mapping[ComparedRun, tuple[ForceDecay, PowerDecay] | str], number: int
+) -> dict[ComparedRun, Decay]:
     """Return the fits of one of the laws that describe the forces of a run, by run."""
-    fits = {run: one.decays[number] for run, one in peaks.items() if one.decays is not None}
+    fits = {run: both[number] for run, both in decays.items() if not isinstance(both, str)}
     return {run: fit for run, fit in fits.items() if not objection(fit)}
 
 
 def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return sentences on the fits of the decay, and on runs without a fit."""
+    """Return a sentence on the fits of the decay, whose constants are in `decay_table`."""
     fits = common_fits(peaks)
-    without = _without_fit(peaks, fits)
     if not fits:
-        return without
-    common = next(iter(fits.values()))
-    constant = "b" if isinstance(common, ForceDecay) else "n"
-    has_several = sum(one.decays is not None for one in peaks.values()) > 1
-    why = "the same law for all runs so that its constants can be compared, " if has_several else ""
-    fitted = (
-        f"Dotted: {_law(common)}, {why}fitted to the largest force between the impacted and the "
-        f"last layer; {constant} and its standard error: {_constants_of_runs(fits)}."
-    )
-    return " ".join(filter(None, [fitted, _other_law(peaks, common), without]))
+        return "No run has a fit, see the table of the decay."
+    law = _law(next(iter(fits.values())))
+    common = ", one law for all runs" if len(_ranges(peaks)) > 1 else ""
+    return f"Dotted: {law}{common}, see the table of the decay."
 
 
-def _constants_of_runs(fits: Mapping[ComparedRun, Decay]) -> str:
-    """Return the constants of the fits with their runs; of many runs the smallest and the largest,
-    as the data of the figure have all.
+def decay_table(peaks: Mapping[ComparedRun, PeaksByDepth]) -> DocumentTable:
+    """Return the table of the fits: law, constant, misfit and layers of each run, or the reason why
+    it has no fit. A law that describes a run better than the common law has its own row.
     """
-    if len(fits) > _MOST_CONSTANTS:
-        ordered = sorted(fits, key=lambda run: _value_and_error(fits[run])[0])
-        ends = [f"{_constant(fits[run])} ({run.name})" for run in (ordered[0], ordered[-1])]
-        largest = max(fit.misfit for fit in fits.values())
-        return (
-            f"from {' to '.join(ends)}, rms up to {100 * largest:.2g} %; the data of the figure "
-            "have all"
-        )
-    names: dict[tuple[str, str], list[str]] = {}
-    for run, fit in fits.items():
-        names.setdefault((_constant(fit), _quality(fit)), []).append(run.name)
-    parts = [
-        f"{constant_of_runs} ({', '.join(runs)}, {quality})"
-        for (constant_of_runs, quality), runs in names.items()
-    ]
-    return "; ".join(parts)
+    fits = common_fits(peaks)
+    rows: list[tuple[str, ...]] = []
+    for run, both in common_decays(peaks).items():
+        better = accepted(both)
+        if run in fits:
+            rows.append((run.name, *_cells(fits[run])))
+        if better is None:
+            rows.append((run.name, f"none: {reason_against(both)}", "", "", ""))
+        elif type(better) is not type(fits.get(run)):
+            rows.append((run.name, *_cells(better, ", not drawn")))
+    caption = "Decay of the largest peak force"
+    if _ranges(peaks):
+        caption = f"{caption}, fitted {_fitted_layers(peaks)}"
+    return text_table(caption, _HEADS_OF_FITS, rows)
+
+
+def _cells(fit: Decay, remark: str = "") -> tuple[str, ...]:
+    """Return law, constant, misfit and number of layers of a fit in words."""
+    symbol = "b" if isinstance(fit, ForceDecay) else "n"
+    constant = f"{symbol} = {_constant(fit)}"
+    return f"{_law(fit)}{remark}", constant, f"{100 * fit.misfit:.2g} %", str(fit.n_layers)
+
+
+def _fitted_layers(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the layers of the fits in words: all of a run, or those at the common depths."""
+    ranges = _ranges(peaks)
+    if np.ptp(np.array(ranges), axis=0).max() < _SAME_RANGE:
+        return "between the impacted and the last layer"
+    limits = _common_range(peaks)
+    assert limits is not None
+    return f"at the depths that all fitted runs have, {limits[0]:.2g} to {limits[1]:.2g} diameters"
 
 
 def _value_and_error(fit: Decay) -> tuple[float, float]:
@@ -205,30 +260,6 @@ def _fit_columns(name: str, fit: Decay) -> dict[str, Array]:
     }
 
 
-def _other_law(peaks: Mapping[ComparedRun, PeaksByDepth], common: Decay) -> str:
-    """Return a sentence on the runs that the other law describes better; empty if there are none.
-
-    Parameters
-    ----------
-    common
-        A fit of the law that all runs have in the figure.
-    """
-    better = {run: better_of(one.decays) for run, one in peaks.items() if one.decays is not None}
-    others = {
-        run: fit
-        for run, fit in better.items()
-        if type(fit) is not type(common) and not objection(fit)
-    }
-    if not others:
-        return ""
-    parts = [f"{_constant(fit)} ({run.name}, {_quality(fit)})" for run, fit in others.items()]
-    law = _law(next(iter(others.values())))
-    return (
-        f"The other law, {law}, describes some runs better, and is in the figures of these runs: "
-        f"{'; '.join(parts)}."
-    )
-
-
 def _law(fit: Decay) -> str:
     """Return the name and the formula of the law of a fit."""
     if isinstance(fit, ForceDecay):
@@ -236,37 +267,11 @@ def _law(fit: Decay) -> str:
     return "power law, F ~ z^-n"
 
 
-def _quality(fit: Decay) -> str:
-    """Return the number of layers of a fit and its misfit."""
-    return f"{fit.n_layers} layers, rms {100 * fit.misfit:.2g} %"
-
-
 def _constant(fit: Decay) -> str:
     """Return the constant of a fit with its standard error."""
     if isinstance(fit, ForceDecay):
         return f"{interval(fit.rate, fit.error)} per m"
     return interval(fit.exponent, fit.error)
-
-
-def _without_fit(
-    peaks: Mapping[ComparedRun, PeaksByDepth], fits: Mapping[ComparedRun, Decay]
-) -> str:
-    """Return a sentence on the runs without a fit of the decay, by reason; empty if there is
-    none.
-    """
-    reasons: dict[str, list[str]] = {}
-    for run, one in peaks.items():
-        if run not in fits:
-            reasons.setdefault(_refusal(one), []).append(run.name)
-    parts = [f"{', '.join(names)} ({reason})" for reason, names in reasons.items()]
-    return f"Without a fit: {'; '.join(parts)}." if parts else ""
-
-
-def _refusal(peaks: PeaksByDepth) -> str:
-    """Return the reason why the forces of a run have no fit: that of the better law."""
-    if peaks.decays is None:
-        return peaks.no_decay
-    return objection(better_of(peaks.decays)) or _OTHER_LAW
 
 
 def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
@@ -287,7 +292,7 @@ def _layer_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     sphere.
     """
     if _have_medians(peaks):
-        return "Largest and median sphere of each layer, on axes of their own."
+        return "Largest and median sphere of each layer."
     return "Largest sphere of each layer." if _have_layers(peaks) else ""
 
 
@@ -306,20 +311,18 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     first = [run.name for run, one in peaks.items() if one.of_first_wave]
     whole = [run.name for run, one in peaks.items() if not one.of_first_wave]
     parts = []
-    is_common = len(peaks) > _MOST_CONSTANTS and not (first and whole)
+    is_common = not (first and whole)
     if first:
         names = "" if is_common else f" ({named(first, len(first))})"
         parts.append(f"of the first wave, before the reflection{names}")
     if whole:
         names = "" if is_common else f" ({named(whole, len(whole))})"
         parts.append(f"of the whole run, with any reflections{names}")
-    later_layers = {run: int(np.count_nonzero(one.is_later)) for run, one in peaks.items()}
-    later = _counts_of_runs(later_layers)
-    if not later:
+    if not any(one.is_later.any() for one in peaks.values()):
         return f"Largest forces {' and '.join(parts)}."
     return (
-        f"Largest forces {' and '.join(parts)}. Markers without a line: layers whose largest force "
-        f"may include a reflection; number of layers: {later}. They are not fitted."
+        f"Largest forces {' and '.join(parts)}. Markers without a line may include a reflection, "
+        "and are not fitted."
     )
 
 
@@ -354,7 +357,7 @@ def _counts_of_runs(counts: Mapping[ComparedRun, int]) -> str:
     its runs.
     """
     positive = {run: count for run, count in counts.items() if count}
-    if len(positive) <= _MOST_CONSTANTS:
+    if len(positive) <= _MOST_NAMED:
         return ", ".join(f"{count} ({run.name})" for run, count in positive.items())
     names: dict[int, list[str]] = {}
     for run, count in positive.items():
@@ -375,4 +378,5 @@ PEAK_FORCE_DEPTH = ComparisonFigure(
     curve=_largest,
     is_cumulative=True,
     values=("peak_force_N",),
+    table=decay_table,
 )

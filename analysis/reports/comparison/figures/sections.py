@@ -12,6 +12,7 @@ from granwave.analysis.reports.comparison.fields import (
     draw_difference,
     draw_fields,
     force_field,
+    plane_notes,
     scale_notes,
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
@@ -29,7 +30,8 @@ def draw_field_panels(
 
 def _field_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
     """Return the sentences below the peak forces on sections."""
-    return " ".join(filter(None, [dynamic_notes(fields), scale_notes(fields)]))
+    notes = [plane_notes(fields), dynamic_notes(fields), scale_notes(fields)]
+    return " ".join(filter(None, notes))
 
 
 def draw_field_difference(
@@ -45,8 +47,7 @@ def _difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
 
 
 PEAK_FORCE_FIELD = ComparisonFigure(
-    "Peak force on the lattice plane below the impact in which spheres touch, the largest of "
-    "the run, on a common colour scale",
+    "Peak force on a section below the impact, the largest of the run, on a common colour scale",
     force_field,
     draw_field_panels,
     look="White with an outline: no contact force; without an outline: no sphere.",

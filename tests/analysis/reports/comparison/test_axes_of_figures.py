@@ -125,3 +125,22 @@ def test_sections_of_unlike_size_are_cropped(place, tmp_path):
         lowest = 1e3 * (float(field.cut.down.max()) + 1.5 * field.diameter)
         assert axes.get_ylim()[0] <= lowest
     assert "cropped to its packing" in comparison.caption("peak_force_field")
+
+
+def test_planes_of_two_lattices_are_named(place):
+    """The plane of fcc is inclined, the rows of hcp are projected: they share no axis of depths."""
+    comparison = compared(place, "fcc", "hcp")
+    with style():
+        panels = comparison.drawing("peak_force_field").figure.axes
+    labels = [axes.get_ylabel() for axes in panels[:2]]
+    assert labels == ["Depth along the plane (mm)", "Depth (mm)"]
+    caption = comparison.caption("peak_force_field")
+    assert "inclined lattice plane of touching spheres (fcc)" in caption
+    assert "zigzag rows of touching spheres, projected onto a vertical plane (hcp)" in caption
+    alike = compared(place, "fcc", "fast")
+    assert "Section: inclined lattice plane of touching spheres." in alike.caption(
+        "peak_force_field"
+    )
+    with style():
+        panels = alike.drawing("peak_force_field").figure.axes
+    assert panels[0].get_ylabel() == ""

@@ -22,6 +22,7 @@ from granwave.analysis.reports.comparison.figures.peak_force_depth import (
     PEAK_FORCE_DEPTH,
     common_fits,
     decay_notes,
+    decay_table,
     draw_peaks,
     wave_notes,
 )
@@ -85,8 +86,11 @@ def test_runs_without_a_fitted_decay_are_named(place):
         run: PeaksByDepth(depth, depth, depth, decays, no_decay=reason)
         for run, decays, reason in zip(runs, (None, fits), ("only 2 layers", ""), strict=True)
     }
-    assert decay_notes(peaks).endswith("Without a fit: fcc (only 2 layers).")
-    assert decay_notes({runs[0]: peaks[runs[0]]}) == "Without a fit: fcc (only 2 layers)."
+    assert _rows(peaks)[0][:2] == ["fcc", "none: only 2 layers"]
+    assert decay_notes(peaks) == "Dotted: power law, F ~ z^-n, see the table of the decay."
+    alone = {runs[0]: peaks[runs[0]]}
+    assert _rows(alone)[0][:2] == ["fcc", "none: only 2 layers"]
+    assert decay_notes(alone) == "No run has a fit, see the table of the decay."
 
 
 def test_laws_that_do_not_describe_the_forces_are_refused(place):
@@ -103,11 +107,12 @@ def test_laws_that_do_not_describe_the_forces_are_refused(place):
         )
         peaks[run] = PeaksByDepth(depth, force, force, fits)
     assert list(common_fits(peaks)) == [runs[1]]
-    text = decay_notes(peaks)
-    assert "1.5" in text and "hcp, 20 layers" in text
+    without, fitted, level = _rows(peaks)
+    assert fitted[0] == "hcp" and "1.5" in fitted[2] and fitted[4] == "20"
     misfit = min(fit.misfit for fit in peaks[runs[0]].decays)
-    assert misfit > 0.3 and f"fcc (no decay fits: rms {100 * misfit:.2g} %)" in text
-    assert "chain (the peak force is constant within 0.1 % in the deeper half)" in text
+    assert misfit > 0.1
+    assert without[1] == f"none: neither law describes the decay, rms {100 * misfit:.2g} %"
+    assert level[1] == "none: the peak force is constant within 0.1 % in the deeper half"
 
 
 def test_one_kind_of_scale_for_all_panels(place):
@@ -159,11 +164,11 @@ def test_all_runs_have_the_law_that_fits_them_better():
     assert chosen["a"].exponent == pytest.approx(1.5)
 
 
-def test_caption_gives_the_law_of_a_run_that_the_common_law_describes_less_well(place):
-    """Figure of the run and comparison have two laws: the caption says why, and gives both."""
+def test_table_gives_the_law_of_a_run_that_the_common_law_describes_less_well(place):
+    """Figure of the run and comparison have two laws: the table gives both."""
     runs = compared(place, "fcc", "hcp").runs
-    depth = np.arange(1.0, 13.0)
-    forces = (np.exp(-0.2 * depth), depth**-1.5)
+    depth = np.arange(4.0, 13.0)
+    forces = (np.exp(-0.2 * depth), depth**-1.7)
     peaks = {
         run: PeaksByDepth(
             depth,
@@ -175,17 +180,57 @@ def test_caption_gives_the_law_of_a_run_that_the_common_law_describes_less_well(
     }
     exponentials = [one.decays[0] for one in peaks.values()]
     powers = [one.decays[1] for one in peaks.values()]
-    assert exponentials[0].misfit < powers[0].misfit < 0.3
-    assert powers[1].misfit < exponentials[1].misfit
-    text = decay_notes(peaks)
-    assert text.startswith("Dotted: power law, F ~ z^-n, ")
-    assert "the same law for all runs so that its constants can be compared" in text
-    sentence = text[text.index("The other law") :]
-    assert sentence.startswith("The other law, exponential, F ~ exp(-bz), describes some runs")
-    assert ": 0.2" in sentence and "(fcc, 12 layers, rms" in sentence and "hcp" not in sentence
-    alone = decay_notes({runs[0]: peaks[runs[0]]})
-    assert alone.startswith("Dotted: exponential, F ~ exp(-bz), fitted to")
-    assert "other law" not in alone and "same law" not in alone
+    assert exponentials[0].misfit < powers[0].misfit < 0.1
+    assert powers[1].misfit < exponentials[1].misfit < 0.1
+    common, better, other = sorted(_rows(peaks), key=lambda row: (row[0], "not drawn" in row[1]))
+    assert common[1] == "power law, F ~ z^-n" and other[1] == "power law, F ~ z^-n"
+    assert better[:2] == ["fcc", "exponential, F ~ exp(-bz), not drawn"]
+    assert better[2].startswith("b = 0.2")
+    assert decay_notes(peaks).startswith("Dotted: power law, F ~ z^-n, one law for all runs")
+    alone = {runs[0]: peaks[runs[0]]}
+    assert decay_notes(alone) == "Dotted: exponential, F ~ exp(-bz), see the table of the decay."
+    assert len(_rows(alone)) == 1
+
+
+def test_runs_are_fitted_at_the_depths_that_all_have(place):
+    """Equal forces in the layers of both runs give equal constants, although the forces of the
+    deeper run follow no law: an exponential is followed by a plateau.
+    """
+    runs = compared(place, "fcc", "hcp").runs
+    peaks = {}
+    for run, n_layers in zip(runs, (6, 12), strict=True):
+        depth = 0.01 * np.arange(1.0, n_layers + 1)
+        force = np.maximum(np.exp(-60 * depth), np.exp(-0.36 - 2 * depth) * 0.04)
+        fits = exponential_of_depth(depth, force), _power(depth, force, 0.01)
+        peaks[run] = PeaksByDepth(depth, force, force, fits)
+    deep = peaks[runs[1]].decays
+    assert min(fit.misfit for fit in deep) > 0.1
+    first, second = common_fits(peaks).values()
+    assert first.rate == second.rate and first.n_layers == second.n_layers == 6
+    table = decay_table(peaks)
+    assert table.caption == (
+        "Decay of the largest peak force, fitted at the depths that all fitted runs have, "
+        "1 to 6 diameters"
+    )
+    one, other = runs
+    peaks[one] = dataclasses.replace(peaks[one], decays=_fits_of(0.01 * np.arange(5.0, 13.0)))
+    peaks[other] = dataclasses.replace(peaks[other], decays=_fits_of(0.01 * np.arange(1.0, 8.0)))
+    rows = _rows(peaks)
+    assert rows[1][1] == "none: only 3 layers at the depths that all fitted runs have"
+
+
+def _fits_of(depth):
+    """Return fits to an exponential at depths."""
+    force = np.exp(-60 * depth)
+    return exponential_of_depth(depth, force), _power(depth, force, 0.01)
+
+
+def _rows(peaks):
+    """Return the texts of the rows of the table of fits."""
+    rows = []
+    for row in decay_table(peaks).rows:
+        rows.append([cell.text for cell in row])
+    return rows
 
 
 def test_equal_values_do_not_hide_curves_that_differ(place, tmp_path):
@@ -218,18 +263,20 @@ def _six_runs():
     return peaks
 
 
-def test_captions_of_many_runs_have_the_extreme_constants_only():
-    """All constants are in the data of the figure."""
+def test_captions_of_many_runs_name_no_run():
+    """All constants are in the table, and in the data of the figure."""
     peaks = _six_runs()
-    text = decay_notes(peaks)
-    assert "per m (r0) to" in text and "per m (r5), rms up to" in text
-    assert "r1" not in text and "r4" not in text
+    assert "(r" not in decay_notes(peaks)
+    assert [row[0] for row in _rows(peaks)] == [f"r{n}" for n in range(6)]
     assert "(" not in wave_notes(peaks)
     drawing = draw_peaks(peaks, [])
     for n in range(6):
         assert drawing.columns[f"r{n}_decay_per_m"] == pytest.approx((n + 1) / 10, rel=1e-2)
-    three = dict(list(peaks.items())[:3])
-    assert "r1, 20 layers" in decay_notes(three) and "(r0, r1, r2)" in wave_notes(three)
+    of_first = dict(list(peaks.items())[:3])
+    assert wave_notes(of_first) == "Largest forces of the first wave, before the reflection."
+    run = next(iter(of_first))
+    whole = of_first | {run: dataclasses.replace(of_first[run], of_first_wave=False)}
+    assert "(r1, r2)" in wave_notes(whole) and "(r0)" in wave_notes(whole)
 
 
 def test_panels_of_many_runs_are_side_by_side():
