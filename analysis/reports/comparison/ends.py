@@ -125,7 +125,14 @@ def differ_in_end_only(runs: Sequence[ComparedRun]) -> bool:
         return False
     if len({run.kind for run in cases}) > 1:
         return False
-    return all(key.startswith(_NO_RESULT) for key in differing(cases))
+    return not any(map(changes_results, differing(cases)))
+
+
+def changes_results(key: str) -> bool:
+    """Return False for keys that change what is recorded, or how ranks share the work, and for the
+    end time.
+    """
+    return not key.startswith(_NO_RESULT)
 
 
 def same_case_sentence(runs: Sequence[ComparedRun]) -> str:
