@@ -94,7 +94,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
         _sides(case),
         _materials(case),
         quantity_in(diameter, "m") if isinstance(diameter, float | int) else "",
-        _load(case),
+        load_in_words(case),
         _static(case),
         _bottom(case),
         *_contacts(case),
@@ -296,7 +296,10 @@ def is_chain(case: Mapping[str, Any]) -> bool:
     return rule is not None and rule.is_chain
 
 
-def _load(case: Mapping[str, Any]) -> str:
+def load_in_words(case: Mapping[str, Any]) -> str:
+    """Return the load of a case, by dotted keys: ``5 m/s``, ``struck by steel, 20 mm, 1 m/s``;
+    empty if it is unknown.
+    """
     load = load_kinds().get(str(case.get("load.kind")), ImpactLoad)
     keys: dict[str, Any] = {}
     for kind in report_kinds():

@@ -209,6 +209,11 @@ class Comparison:
         return [text for text in paragraphs if text]
 
     @property
+    def headline(self) -> str:
+        """First sentence of the page: the first of `paragraphs`; empty if there is none."""
+        return next(iter(self.paragraphs), "")
+
+    @property
     def _ranked_names(self) -> tuple[str, ...]:
         """Names of the values that the sentences on the protection state."""
         return tuple(chain.from_iterable(ranking.names for ranking in self._rankings))
