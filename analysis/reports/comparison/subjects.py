@@ -68,6 +68,7 @@ _LONGEST_VALUE = 24  # characters of a value in a label
 _EARLY = 0.5  # end time / latest end, below which a label states the end of a run
 _BETWEEN_DIFFERENCES = ", "
 _BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
+_PRONOUNS = (("it has ", "they have "), ("it is a ", "each is a "), ("it ", "they "))
 _POINT = r"(.+) #\d+"  # name of a point of a scan, which says nothing about its case
 _SEED_TEXT = r"seed \d+"  # of a random packing, in a label
 _KILO = 1e3
@@ -294,7 +295,20 @@ def by_reason(lacking: Mapping[ComparedRun, str]) -> str:
     groups: dict[str, list[ComparedRun]] = {}
     for run, why in lacking.items():
         groups.setdefault(why, []).append(run)
-    return "; ".join(f"{ranges_of(runs)} ({why})" for why, runs in groups.items())
+    texts = [
+        f"{ranges_of(runs)} ({why if len(runs) == 1 else _of_several(why)})"
+        for why, runs in groups.items()
+    ]
+    return "; ".join(texts)
+
+
+def _of_several(reason: str) -> str:
+    """Return the reason of several runs, which is in words for one run: ``they have no ...``."""
+    for one, several in _PRONOUNS:
+        if reason.startswith(one):
+            reason = f"{several}{reason.removeprefix(one)}"
+            break
+    return re.sub(r"\bits\b", "their", reason)
 
 
 def ranges_of(runs: Sequence[ComparedRun]) -> str:
