@@ -39,7 +39,7 @@ from granwave.analysis.measures.incomplete_values import incomplete_in
 from granwave.analysis.measures.law_range import BEYOND_LAW_MEANING, is_beyond_law
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, SIZES_BY_LAYERS, report_columns
-from granwave.analysis.reports.comparison.compared_value import MARK, PARTIAL, marked
+from granwave.analysis.reports.comparison.compared_value import MARK, footnotes_of_marks, marked
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
@@ -424,7 +424,7 @@ def _footnotes(rows: Iterable[Sequence[Cell]]) -> tuple[str, ...]:
     them.
     """
     cells = list(chain.from_iterable(rows))
-    notes = [f"{MARK} {PARTIAL}."] if any(cell.text.endswith(MARK) for cell in cells) else []
+    notes = [*footnotes_of_marks([cells])]
     meanings = [part for cell in cells for part in _MEANINGS_OF_COLOUR if part in cell.meaning]
     if meanings:
         reasons = [f"{text[0].lower()}{text[1:-1]}" for text in dict.fromkeys(meanings)]

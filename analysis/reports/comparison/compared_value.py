@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from granwave.analysis.document.model import Cell
@@ -251,6 +252,12 @@ def marked(cell: Cell, *, is_marked: bool) -> Cell:
         return cell
     meaning = f"{cell.meaning} {PARTIAL}.".lstrip()
     return replace(cell, text=f"{cell.text}{MARK}", meaning=meaning)
+
+
+def footnotes_of_marks(rows: Iterable[Sequence[Cell]]) -> tuple[str, ...]:
+    """Return the meaning of the mark of truncated values below a table, if any cell has it."""
+    has_marks = any(cell.text.endswith(MARK) for row in rows for cell in row)
+    return (f"{MARK} {PARTIAL}.",) if has_marks else ()
 
 
 def marked_beyond_law(cell: Cell, *, is_beyond: bool) -> Cell:
