@@ -64,7 +64,7 @@ _UNRESOLVED_REMARK = (
 )
 _OF_VOLUME = 4  # values of a run that follow from the volume of its zone
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
-_FEW = 2  # runs that a sentence names
+_HOW_MANY = {1: "The run", 2: "Both runs"}  # by number of runs, in a sentence
 _FEWEST_ON_CURVE = 3  # smallest number of impacts on a curve of a figure of similarity
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
@@ -137,14 +137,12 @@ def text(impacts: Impacts) -> str:
             f"D^3/E = {show(float(energy_unit(first)))} J."
         )
     runs: list[Any] = []
-    names: list[str] = []
     for table in (impacts.granular, impacts.continuum):
         if len(table):
             runs += list(table.run)
-            names += list(table.label)
     seconds = sum(float(run.summary.get("wall_time_s") or 0) for run in runs)
     if seconds >= 1:
-        who = " and ".join(names) if len(runs) <= _FEW else f"The {len(runs)} runs"
+        who = _HOW_MANY.get(len(runs), f"The {len(runs)} runs")
         parts.append(f"{who} took {show(round(seconds))} s of computing time.")
     return " ".join(parts)
 
