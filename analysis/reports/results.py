@@ -425,9 +425,9 @@ def _footnotes(rows: Iterable[Sequence[Cell]]) -> tuple[str, ...]:
     """
     cells = list(chain.from_iterable(rows))
     notes = [*footnotes_of_marks([cells])]
-    meanings = [part for cell in cells for part in _MEANINGS_OF_COLOUR if part in cell.meaning]
-    if meanings:
-        reasons = [f"{text[0].lower()}{text[1:-1]}" for text in dict.fromkeys(meanings)]
+    given = " ".join(dict.fromkeys(cell.meaning for cell in cells))
+    reasons = [f"{text[0].lower()}{text[1:-1]}" for text in _MEANINGS_OF_COLOUR if text in given]
+    if reasons:
         notes.append(f"{_COLOURED}: {'; '.join(reasons)}.")
     return tuple(notes)
 

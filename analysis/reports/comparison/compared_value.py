@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from granwave.analysis.document.model import Cell
 from granwave.analysis.formatting.numbers import interval_in_any_unit, number, quantity_in
@@ -256,7 +257,7 @@ def marked(cell: Cell, *, is_marked: bool) -> Cell:
 
 def footnotes_of_marks(rows: Iterable[Sequence[Cell]]) -> tuple[str, ...]:
     """Return the meaning of the mark of truncated values below a table, if any cell has it."""
-    has_marks = any(cell.text.endswith(MARK) for row in rows for cell in row)
+    has_marks = any(cell.text.endswith(MARK) for cell in chain.from_iterable(rows))
     return (f"{MARK} {PARTIAL}.",) if has_marks else ()
 
 

@@ -217,11 +217,10 @@ def partial_note(values: Sequence[ComparedValue], names: Sequence[str]) -> str:
     labels: dict[frozenset[int], list[str]] = {}
     for value in partial:
         labels.setdefault(value.incomplete, []).append(_in_sentence(value.label))
-    parts = [
-        f"in {named([names[place] for place in sorted(places)], _MOST_NAMED)}: "
-        f"{_listed_labels(of_places)}"
-        for places, of_places in labels.items()
-    ]
+    parts: list[str] = []
+    for places, of_places in labels.items():
+        cut = named([names[place] for place in sorted(places)], _MOST_NAMED)
+        parts.append(f"in {cut}: {_listed_labels(of_places)}")
     first, *others = parts
     more = "".join(f" {part[0].upper()}{part[1:]}." for part in others)
     return f"{PARTIAL} ({MARK} in tables), and not part of ratios, {first}.{more}"

@@ -10,6 +10,7 @@ from granwave.analysis.reports.inputs import read_inputs
 from tests.helpers.made_up.synthetic_report import write_run
 
 LAW = "contact.law"
+FACTOR = "the yield factor of the contact law (1.6 in a, 2.8 in b)"
 
 
 def comparison_of(tmp_path, *cases) -> Comparison:
@@ -32,7 +33,7 @@ def comparison_of(tmp_path, *cases) -> Comparison:
     ("key", "values", "words"),
     [
         (LAW, ("hertz", "bilinear"), "the contact law (hertz in a, bilinear in b)"),
-        ("contact.yield_factor", (1.6, 2.8), "the yield factor of the contact law (1.6 in a, 2.8 in b)"),
+        ("contact.yield_factor", (1.6, 2.8), FACTOR),
         ("run.timestep", (2e-8, 1e-8), "the timestep (20 ns in a, 10 ns in b)"),
     ],
 )  # fmt: skip
@@ -66,8 +67,8 @@ def test_packings_under_unlike_laws_are_ranked_with_a_caveat(tmp_path):
     first, depth = comparison.protection
     assert first.startswith("b protects the bottom better: its peak force is 1.2 kN")
     assert first.endswith(
-        " The runs also differ in the contact law (hertz in a, bilinear in b), which may change the "
-        "order: compare the packings with one model."
+        " The runs also differ in the contact law (hertz in a, bilinear in b), which may change "
+        "the order: compare the packings with one model."
     )
     assert "contact law" not in depth
 
