@@ -33,6 +33,9 @@ BOTTOM_PEAKS = (
 )  # fmt: skip
 BOTTOM_IMPULSES = ("wall_impulse_Ns", "wall_dynamic_impulse_Ns")
 _ZONE_GROWING = "zone_growing"
+_FRACTION = "_fraction"  # end of the names of fractions
+_ABSORBED = "absorbed"
+_AT_WALLS = "energy_dissipated_wall_J"  # part of the dissipated energy, which has no course
 _VOLUMES = ("plastic_zone_volume_", "zone_volume_")
 #: Columns of the energy record with a fraction of the input energy, other than the plastic one.
 _COLUMNS = (
@@ -53,9 +56,9 @@ def incomplete_values(result: Result) -> list[str]:
     """
     from granwave.analysis.measures.waves import stays_in_layer  # loads h5py
 
-    names = [f"{name}_fraction" for name in _growing_energies(result)]
+    names = [f"{name}{_FRACTION}" for name in _growing_energies(result)]
     if DISSIPATED_FRACTION in names:
-        names.append("energy_dissipated_J")
+        names.append(energy_of(DISSIPATED_FRACTION))
     if _YIELDED in result and _has_growing_count(result["energy/time"], result[_YIELDED]):
         names += COUNTS
     record = reached(result)
@@ -65,14 +68,35 @@ def incomplete_values(result: Result) -> list[str]:
 
 
 def incomplete_in(summary: Mapping[str, Any]) -> Collection[str]:
-    """Return the names of incomplete values in a summary, with the sizes of a plastic zone that
-    still grows; empty if they are unknown.
+    """Return the names of incomplete values in a summary, with the energies of incomplete fractions
+    and the sizes of a plastic zone that still grows; empty if they are unknown.
     """
     names: list[str] = [*(summary.get(INCOMPLETE) or ())]
+    energies = [energy_of(name) for name in names if name.endswith(_FRACTION)]
+    if DISSIPATED_FRACTION in names:
+        energies.append(_AT_WALLS)
+    names += [name for name in energies if name in summary and name not in names]
     for direction in summary.get(_ZONE_GROWING) or ():
         sizes = (f"plastic_zone_{direction}_", f"zone_{direction}_", *_VOLUMES)
         names += [name for name in summary if name.startswith(sizes) and name not in names]
     return names
+
+
+def energy_of(fraction: str) -> str:
+    """Return the name of the energy, J, of a fraction of the input energy."""
+    if fraction == DISSIPATED_FRACTION:
+        return "energy_dissipated_J"
+    part = fraction.removesuffix(_FRACTION)
+    return f"energy_{part}_J" if part == _ABSORBED else f"energy_dissipated_{part}_J"
+
+
+def growing_values(summary: Mapping[str, Any]) -> list[str]:
+    """Return the names of the values in a summary that still grow at the end of the run, without
+    the sizes of the plastic zone by direction, and without the forces on the bottom, of which a
+    larger one may follow.
+    """
+    names = [name for name in summary.get(INCOMPLETE) or () if name not in BOTTOM_PEAKS]
+    return [name for name in names if summary.get(name) is not None]
 
 
 def _growing_energies(result: Result) -> list[str]:

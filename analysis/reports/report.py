@@ -29,6 +29,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.inputs import ReportInputs, read_inputs
 from granwave.analysis.reports.kinds import report_kinds
 from granwave.analysis.reports.outline import build_report, report_with_studies
+from granwave.analysis.reports.setting import IDEAL
 from granwave.analysis.reports.studies import ReportStudies
 from granwave.analysis.studies.registry import find_studies
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
@@ -62,6 +63,8 @@ def text_of(name: str) -> str:
 
 
 _ACROSS = 12  # most columns of a table on a page of paper
+_MEANING_OF_IDEAL = "identical spheres, no friction, no damping"
+_IDEAL_AT_END = re.compile(rf", {IDEAL}(?=[);.]|$)")  # of the description of a run
 _BREAK = re.compile(r"(_|\.(?!\d))")  # of a key, after which a line may break
 _MOST_KEYS = 4  # key columns that are repeated in its parts
 
@@ -87,6 +90,7 @@ def html_page(report: Report, *, paper: bool = False) -> str:
         "parts": parts,
         "symbols": partial(with_symbols, paper=paper),
         "heading": partial(heading, paper=paper),
+        "lead": partial(lead, paper=paper),
     }
     values = {
         "titles": titles,
@@ -106,6 +110,17 @@ def data_uri(png: bytes) -> str:
 def csv_uri(text: bytes) -> str:
     """Return the data URI of a table."""
     return "data:text/csv;base64," + base64.b64encode(text).decode("ascii")
+
+
+def lead(text: str, *, paper: bool = False) -> Markup:
+    """Return the first line of a report with its symbols; on a screen, the word for packings
+    without imperfections is explained.
+    """
+    shown = with_symbols(text, paper=paper)
+    if paper:
+        return shown
+    explained = f'<span class="explained" title="{_MEANING_OF_IDEAL}">{IDEAL}</span>'
+    return Markup(_IDEAL_AT_END.sub(f", {explained}", str(shown)))
 
 
 def heading(name: str, *, paper: bool = False) -> Markup:

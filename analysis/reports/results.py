@@ -35,10 +35,11 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
-from granwave.analysis.measures.law_range import is_beyond_law
+from granwave.analysis.measures.incomplete_values import incomplete_in
+from granwave.analysis.measures.law_range import BEYOND_LAW_MEANING, is_beyond_law
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, SIZES_BY_LAYERS, report_columns
-from granwave.analysis.reports.comparison.compared_value import MARK, PARTIAL, marked
+from granwave.analysis.reports.comparison.compared_value import MARK, footnotes_of_marks, marked
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
@@ -127,6 +128,14 @@ _OF_ZONE = (
     "zone_",
     "wave_return",
 )  # keys whose values are marked where the zone reaches a boundary
+#: Reasons for the colour of a doubtful value.
+_COLOURED = "Coloured values"
+_DOUBT_OF_LAW = f"Values {BEYOND_LAW_MEANING}."
+_DOUBTS_OF_ZONE = {
+    Mark.CUT: "The plastic zone reaches a boundary, which limits its size.",
+    Mark.WAVE: "Part of the plastic dissipation occurred after a reflection could return.",
+}
+_MEANINGS_OF_COLOUR = (_DOUBT_OF_LAW, *_DOUBTS_OF_ZONE.values())
 
 
 def results_section(inputs: ReportInputs, comparison: Comparison | None = None) -> DocumentSection:
@@ -195,7 +204,14 @@ def value_rows(run: ReportRun) -> DocumentTable:
         TableColumn("Value", numeric=True),
         TableColumn("Unit"),
     )
-    return DocumentTable(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
+    return DocumentTable(
+        f"Run {run.label}",
+        columns,
+        tuple(rows),
+        captioned=False,
+        by_row=True,
+        footnotes=_footnotes(rows),
+    )
 
 
 def _beside_others(summaries: Sequence[Mapping[str, Any]]) -> set[str]:
@@ -241,7 +257,8 @@ def _runs_table(
     cases = [run.case for run in runs]
     names = TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]
     results = _results([(_state_of(run), run.summary) for run in runs], shown)
-    return column_table("Runs", [names, *_settings(keys, cases, cases), *results], sortable=True)
+    columns = [names, *_settings(keys, cases, cases), *results]
+    return column_table("Runs", columns, sortable=True, footnotes=_footnotes_of(columns))
 
 
 def _scan_blocks(scan: ReportScan, inputs: ReportInputs) -> list[Part]:
@@ -263,7 +280,9 @@ def _scan_blocks(scan: ReportScan, inputs: ReportInputs) -> list[Part]:
         *_settings(scan.source.varied, [one.labels for one in found], _cases(scan)),
         *_results(results, _worth_showing([summary for _, summary in results])),
     ]
-    blocks: list[Part] = [column_table(f"Scan {scan.label}", columns, sortable=True)]
+    caption = f"Scan {scan.label}"
+    footnotes = _footnotes_of(columns)
+    blocks: list[Part] = [column_table(caption, columns, sortable=True, footnotes=footnotes)]
     if SEED in scan.source.varied and all(isinstance(one.summary, dict) for one in found):
         blocks += _replicates(scan)
     files = [scan.directory / name for name in (SCAN_TABLE, SCAN_MEANS)]
@@ -330,24 +349,34 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cell:
-    """Return the cell of a value of a summary in a unit of a size, marked if it is doubtful; a
-    list holds names of boundaries.
+    """Return the cell of a value of a summary in a unit of a size, marked if it is doubtful, or if
+    the end of the run truncates it; a list holds names of boundaries.
     """
     if not summary:
         return Cell("")
     value = summary.get(key)
-    noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
-    noted |= is_beyond_law(key, summary)
-    noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
+    reason = _doubt(key, summary)
     if isinstance(value, list):
         value = bounds_in_words(value, periodic=summary.get(PERIODIC_SIDES))
-    return cell_in_unit(value, size, tone="note" if noted else "")
+    cell = cell_in_unit(value, size, tone="note" if reason else "", meaning=reason)
+    return marked(cell, is_marked=key in incomplete_in(summary))
+
+
+def _doubt(key: str, summary: Mapping[str, Any]) -> str:
+    """Return the reason for which a value of a summary is doubtful; empty for other values."""
+    value = summary.get(key)
+    is_count = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
+    if is_count or is_beyond_law(key, summary):
+        return _DOUBT_OF_LAW
+    if key.startswith(_OF_ZONE) and value is not None:
+        return _DOUBTS_OF_ZONE.get(mark_of(summary), "")
+    return ""
 
 
 def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> list[Block]:
     """Make a table of all values of the summaries, with a column for each run, and the difference
-    of two runs; of more runs with marks of the values that the end of their run truncates, and a
-    note on them.
+    of two runs; with marks of the values that the end of their run truncates, and a footnote on
+    them.
 
     Parameters
     ----------
@@ -369,10 +398,7 @@ def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> l
     called = grains_called_in([run.summary for run in runs])
     for key, (unit, size) in units_of_values(keys, [run.summary for run in runs]).items():
         cut = [one.run for one in truncated.get(key, ())]
-        cells = [
-            marked(_result_cell(key, run.summary, size), is_marked=_is_among(run, cut))
-            for run in runs
-        ]
+        cells = [_cell_among(run, cut, _result_cell(key, run.summary, size)) for run in runs]
         label = runs[0].kind.label(runs[0], key) or label_of(key, called)
         row = [
             Cell(label, label, meaning=meaning_in(key, called)),
@@ -383,14 +409,32 @@ def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> l
             row.append(_difference_of(key, runs, without_ratio.get(key, "")))
         rows.append(tuple(row))
     caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
-    table = DocumentTable(caption, tuple(columns), tuple(rows), by_row=True)
-    has_marks = any(cell.text.endswith(MARK) for cell in chain.from_iterable(rows))
-    return [table, Note(f"{MARK} {PARTIAL}.", "note")] if has_marks else [table]
+    footnotes = _footnotes(rows)
+    return [DocumentTable(caption, tuple(columns), tuple(rows), by_row=True, footnotes=footnotes)]
 
 
-def _is_among(run: ReportRun, runs: Sequence[ReportRun]) -> bool:
-    """Return True if a run is one of some runs."""
-    return any(run is other for other in runs)
+def _cell_among(run: ReportRun, truncated: Sequence[ReportRun], cell: Cell) -> Cell:
+    """Return the cell of a value of a run, marked if the run is one of those that truncate it."""
+    is_marked = any(run is other for other in truncated)
+    return marked(cell, is_marked=is_marked and not cell.text.endswith(MARK))
+
+
+def _footnotes(rows: Iterable[Sequence[Cell]]) -> tuple[str, ...]:
+    """Return the meanings of the mark of truncated values, and of coloured values, if any cell has
+    them.
+    """
+    cells = list(chain.from_iterable(rows))
+    notes = [*footnotes_of_marks([cells])]
+    given = " ".join(dict.fromkeys(cell.meaning for cell in cells))
+    reasons = [f"{text[0].lower()}{text[1:-1]}" for text in _MEANINGS_OF_COLOUR if text in given]
+    if reasons:
+        notes.append(f"{_COLOURED}: {'; '.join(reasons)}.")
+    return tuple(notes)
+
+
+def _footnotes_of(columns: Columns) -> tuple[str, ...]:
+    """Return the footnotes of a table from its columns."""
+    return _footnotes([cells for _, cells in columns])
 
 
 def _difference_of(key: str, runs: Sequence[ReportRun], without_ratio: str) -> Cell:

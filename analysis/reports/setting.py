@@ -35,6 +35,7 @@ _MOST_NAMED = 4  # inputs that the first line describes one by one
 _TWO = 2  # packings whose values are given by name
 _MOST_SYMBOLS = 12  # most runs from which the constants of symbols are read
 _LAWS = {"elastoplastic": "", "hertz": "elastic", "line": "elastic"}  # the default needs no word
+IDEAL = "ideal"  # packing without imperfections, in the first line of a report
 _NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal packing: text and unit
     "contact.friction": ("friction {}", ""),
     "packing.diameter_scatter": ("diameters scattered by {}", "m"),
@@ -94,7 +95,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
         _sides(case),
         _materials(case),
         quantity_in(diameter, "m") if isinstance(diameter, float | int) else "",
-        _load(case),
+        load_in_words(case),
         _static(case),
         _bottom(case),
         *_contacts(case),
@@ -296,7 +297,10 @@ def is_chain(case: Mapping[str, Any]) -> bool:
     return rule is not None and rule.is_chain
 
 
-def _load(case: Mapping[str, Any]) -> str:
+def load_in_words(case: Mapping[str, Any]) -> str:
+    """Return the load of a case, by dotted keys: ``5 m/s``, ``struck by steel, 20 mm, 1 m/s``;
+    empty if it is unknown.
+    """
     load = load_kinds().get(str(case.get("load.kind")), ImpactLoad)
     keys: dict[str, Any] = {}
     for kind in report_kinds():
@@ -347,7 +351,7 @@ def _contacts(case: Mapping[str, Any]) -> list[str]:
         if (value := case.get(key))
     ]
     known = all(key in case for key in ("contact.friction", "packing.diameter_scatter"))
-    return ["" if law is None else _LAWS.get(law, str(law)), *(there or ["ideal"] * known)]
+    return ["" if law is None else _LAWS.get(law, str(law)), *(there or [IDEAL] * known)]
 
 
 def _law_of(run: ReportRun) -> Any:

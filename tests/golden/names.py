@@ -46,7 +46,7 @@ HEADING = """\
 HELP = ("-h", "--help")  # of every command
 COMPARISON_MEMBERS = (
     "table", "values", "differences", "misfits",
-    "sentence", "protection", "notes",
+    "sentence", "headline", "protection", "notes",
     "figures", "figure", "data", "caption",
     "truncated",
 )  # fmt: skip

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import re
+import textwrap
 from typing import TYPE_CHECKING
 
 from granwave.workflows.cli.commands import chosen
@@ -20,6 +22,8 @@ _MOST_VALUES = 12  # rows at the terminal
 _MOST_KEYS = 12
 _MOST_RUNS = 6  # most runs with a column each
 _WIDEST = 32  # characters of a cell
+_LINE = 100  # characters of a line of the sentences
+_NO_BREAK = "\u00a0"
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -35,15 +39,25 @@ def compare(options: argparse.Namespace) -> int:
 
 def text_of(comparison: Comparison) -> str:
     """Return sentence, notes and tables for the terminal, with an empty line at the end."""
-    parts = ["\n".join([*comparison.paragraphs, *comparison.grouped_notes])]
+    sentences = [*comparison.paragraphs, *comparison.grouped_notes]
+    parts = list(map(_wrapped, sentences))
     parts += _misfits(comparison)
     if len(comparison.runs) <= _MOST_RUNS:
         parts += [_values(comparison), _differences(comparison)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
+def _wrapped(text: str) -> str:
+    """Return a paragraph in lines of at most 100 columns; no line ends between a number and its
+    unit.
+    """
+    joined = re.sub(r"(?<=\d) (?=[^\W\d_]|[%°‡])", _NO_BREAK, text)
+    lines = textwrap.wrap(joined, _LINE, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines).replace(_NO_BREAK, " ")
+
+
 def _values(comparison: Comparison) -> str:
-    """Return the table of the values that differ most."""
+    """Return the table of the values that differ most, with their keys in the last column."""
     from granwave.analysis.reports.comparison.values import shown_values
 
     values = shown_values(
@@ -56,15 +70,13 @@ def _values(comparison: Comparison) -> str:
         return ""
     names = [_cut(run.name) for run in comparison.runs]
     has_ratio = len(names) > 1
-    heads = ["quantity", "unit", *names]
-    rows = [[*heads, "ratio"] if has_ratio else heads]
+    ratio = ["ratio"] if has_ratio else []
+    rows = [["quantity", "unit", *names, *ratio, "key"]]
     for value in values:
         numbers = [_number(value, place) for place in range(len(value.values))]
-        cells = [value.name, value.unit, *numbers]
-        if has_ratio:
-            cells.append(_ratio(value))
-        rows.append(cells)
-    return columns(rows, left=(0, 1))
+        ratio = [_ratio(value)] if has_ratio else []
+        rows.append([value.label, value.unit, *numbers, *ratio, value.name])
+    return columns(rows, left=(0, 1, len(rows[0]) - 1))
 
 
 def _number(value: ComparedValue, place: int) -> str:

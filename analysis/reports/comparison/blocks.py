@@ -29,6 +29,7 @@ from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.compared_value import (
     ComparedValue,
     factor,
+    footnotes_of_marks,
     marked,
     marked_beyond_law,
 )
@@ -155,7 +156,13 @@ def value_table(comparison: Comparison) -> DocumentTable:
     columns = [_QUANTITY, _UNIT, *heads]
     if len(comparison.runs) > 1:
         columns.append(TableColumn(_ratio_name(comparison.runs), numeric=True))
-    return DocumentTable(_caption(comparison), tuple(columns), tuple(rows), by_row=True)
+    return DocumentTable(
+        _caption(comparison),
+        tuple(columns),
+        tuple(rows),
+        by_row=True,
+        footnotes=footnotes_of_marks(rows),
+    )
 
 
 def _caption(comparison: Comparison) -> str:

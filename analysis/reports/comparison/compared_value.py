@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from granwave.analysis.document.model import Cell
 from granwave.analysis.formatting.numbers import interval_in_any_unit, number, quantity_in
@@ -48,6 +50,8 @@ class ComparedValue:
         then has no ratio.
     incomplete
         Positions of the runs whose end truncates it; the ratio is of the other runs.
+    growing
+        Positions of the runs at whose end it still grows.
     is_limited
         True for a size of plastic zones of which a boundary limits at least one, so that it has no
         ratio.
@@ -77,6 +81,7 @@ class ComparedValue:
     is_of_input: bool = False
     differs_in_meaning: bool = False
     incomplete: frozenset[int] = frozenset()
+    growing: frozenset[int] = frozenset()
     is_unresolved: bool = False
     errors: tuple[float | None, ...] = ()
     beyond_law: frozenset[int] = frozenset()
@@ -88,10 +93,10 @@ class ComparedValue:
 
     @property
     def marked_places(self) -> frozenset[int]:
-        """Positions of the runs whose end truncates it; none for two runs, where a word in place of
-        the ratio shows this.
+        """Positions of the runs whose end truncates it, or at whose end it still grows; for two
+        runs the latter only, since a word in place of the ratio shows the former.
         """
-        return self.incomplete if len(self.values) > _PAIR else frozenset()
+        return self.growing | (self.incomplete if len(self.values) > _PAIR else frozenset())
 
     @property
     def compared(self) -> list[float | None]:
@@ -246,7 +251,14 @@ def marked(cell: Cell, *, is_marked: bool) -> Cell:
     """Return the cell of a value, with the mark of a value that the end of its run truncates."""
     if not is_marked or cell.value is None:
         return cell
-    return replace(cell, text=f"{cell.text}{MARK}", meaning=f"{PARTIAL}.")
+    meaning = f"{cell.meaning} {PARTIAL}.".lstrip()
+    return replace(cell, text=f"{cell.text}{MARK}", meaning=meaning)
+
+
+def footnotes_of_marks(rows: Iterable[Sequence[Cell]]) -> tuple[str, ...]:
+    """Return the meaning of the mark of truncated values below a table, if any cell has it."""
+    has_marks = any(cell.text.endswith(MARK) for cell in chain.from_iterable(rows))
+    return (f"{MARK} {PARTIAL}.",) if has_marks else ()
 
 
 def marked_beyond_law(cell: Cell, *, is_beyond: bool) -> Cell:

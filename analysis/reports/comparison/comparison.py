@@ -45,6 +45,7 @@ from granwave.analysis.reports.comparison.measured_words import (
     range_notes,
     unit_notes,
 )
+from granwave.analysis.reports.comparison.models import caveat_on_model, model_dependence
 from granwave.analysis.reports.comparison.protection import Ranking, protection_rankings
 from granwave.analysis.reports.comparison.scatter import scatter_sentence
 from granwave.analysis.reports.comparison.subjects import (
@@ -209,6 +210,11 @@ class Comparison:
         return [text for text in paragraphs if text]
 
     @property
+    def headline(self) -> str:
+        """First sentence of the page: the first of `paragraphs`; empty if there is none."""
+        return next(iter(self.paragraphs), "")
+
+    @property
     def _ranked_names(self) -> tuple[str, ...]:
         """Names of the values that the sentences on the protection state."""
         return tuple(chain.from_iterable(ranking.names for ranking in self._rankings))
@@ -275,9 +281,14 @@ class Comparison:
     @property
     def protection(self) -> list[str]:
         """Sentences that compare the protection by the runs: force on the bottom, and depth of the
-        plastic zone; empty if values were requested, or if nothing differs.
+        plastic zone; empty if values were requested, or if nothing differs. Of runs that differ in
+        their model only, they state that the values depend on it.
         """
-        return [ranking.sentence for ranking in self._rankings]
+        sentences = [ranking.sentence for ranking in self._rankings]
+        caveat = caveat_on_model(self._finished) if sentences else ""
+        if caveat:
+            sentences[0] = f"{sentences[0]} {caveat}"
+        return sentences
 
     @cached_property
     def _rankings(self) -> list[Ranking]:
@@ -289,7 +300,9 @@ class Comparison:
         names = names_with_cases(self.runs)
         finished = [place for place, run in enumerate(self.runs) if run in self._finished]
         return protection_rankings(
-            [self.runs[place] for place in finished], [names[place] for place in finished]
+            [self.runs[place] for place in finished],
+            [names[place] for place in finished],
+            model_dependence(self._finished),
         )
 
     @property

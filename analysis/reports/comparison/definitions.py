@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
-from granwave.analysis.measures.incomplete_values import incomplete_in
+from granwave.analysis.measures.incomplete_values import growing_values
 from granwave.analysis.measures.target_record import Reached
 from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
@@ -51,7 +51,6 @@ _FORCES_OF_KINDS = (
     "on the punch of a block, so that it has no ratio."
 )
 _SPHERES = "n_spheres"
-_OF_GROWTH = ("_fraction", "n_plastic_contacts")  # ends of names that the sentence on growth lists
 _MOST_LISTED = 4  # runs that a sentence lists
 #: Beginnings of sentences on values that the end of a run limits.
 GROWING_ZONE = "The plastic zone still grows"
@@ -224,8 +223,8 @@ def _unresolved_zones(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def _growing_energies(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]:
-    """Return a sentence on dissipated energies and numbers of yielded contacts that still grow at
-    the end of a run, with the remedy; nothing if there are none. ``is_ranked`` as of
+    """Return a sentence on dissipated energies, numbers of yielded contacts and impulses that still
+    grow at the end of a run, with the remedy; nothing if there are none. ``is_ranked`` as of
     `_growing_zones`.
     """
     labels = {run: _labels_of_growing(run) for run in runs}
@@ -238,9 +237,8 @@ def _growing_energies(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[s
 
 
 def _labels_of_growing(run: ComparedRun) -> str:
-    """Return the labels of the fractions and numbers that still grow at the end of a run."""
-    names = [name for name in incomplete_in(run.run.summary) if name.endswith(_OF_GROWTH)]
-    labels = [quantity(name).label for name in names]
+    """Return the labels of the values that still grow at the end of a run."""
+    labels = [quantity(name).label for name in growing_values(run.run.summary)]
     *first, last = [f"{label[:1].lower()}{label[1:]}" for label in labels] or [""]
     return f"{', '.join(first)} and {last}" if first else last
 

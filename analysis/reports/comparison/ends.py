@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Any, Protocol
 
@@ -74,12 +74,19 @@ _OF_SIZE = (
 )  # fmt: skip
 
 _FRACTION = "_fraction"
+_JOULES = "_J"  # end of the names of energies
 _DISSIPATING = "n_dissipating_contacts"  # None where contacts cannot yield
 _FRICTION = "friction"  # end of keys
+_PAIRS = "pair"  # tables of laws between two materials
 _DISSIPATED_ENERGY = "energy_dissipated_J"
 #: Plastic dissipation, which is uncertain if the zone is.
 _PLASTIC = "plastic_fraction"
-_OF_DISSIPATION = (DISSIPATED_FRACTION, _DISSIPATED_ENERGY)
+_PLASTIC_ENERGY = "energy_dissipated_plastic_J"
+_OF_PLASTIC = (_PLASTIC, _PLASTIC_ENERGY)
+_ROTATION = "energy_rotational_J"
+_OF_FRICTION = ("friction_fraction", "energy_dissipated_friction_J")
+_OF_DISSIPATION = (DISSIPATED_FRACTION, _DISSIPATED_ENERGY, "energy_dissipated_wall_J")
+_PARTS = ("energy_dissipated_*_J", "energy_absorbed_J")  # parts of energies, by patterns
 
 
 class Course(Protocol):
@@ -125,7 +132,14 @@ def differ_in_end_only(runs: Sequence[ComparedRun]) -> bool:
         return False
     if len({run.kind for run in cases}) > 1:
         return False
-    return all(key.startswith(_NO_RESULT) for key in differing(cases))
+    return not any(map(changes_results, differing(cases)))
+
+
+def changes_results(key: str) -> bool:
+    """Return False for keys that change what is recorded, or how ranks share the work, and for the
+    end time.
+    """
+    return not key.startswith(_NO_RESULT)
 
 
 def same_case_sentence(runs: Sequence[ComparedRun]) -> str:
@@ -175,15 +189,14 @@ def truncated_runs(
     """
     is_one_case = differ_in_end_only(runs)
     unknown = frozenset(run for run in runs if not has_peak_at_bottom(run))
-    lossless = tuple(filter(_dissipates_nothing, runs))
     remaining: dict[tuple[Any, ...], frozenset[ComparedRun]] = {}
     truncated: dict[str, frozenset[ComparedRun]] = {}
     for name in names:
         cut = unknown if _matches(name, _OF_BOTTOM) else frozenset()
         compared = tuple(run for run in runs if run not in cut and run.run.number(name) is not None)
         if not _matches(name, _INDEPENDENT):
-            is_of_loss = _matches(name, (*_OF_DISSIPATION, _PLASTIC))
-            key = (_courses_of(name), compared, lossless if is_of_loss else ())
+            lossless = tuple(run for run in runs if _is_zero_at_any_end(name, run))
+            key = (_courses_of(name), compared, lossless)
             if key not in remaining:
                 is_of_peak = _matches(name, _PEAKS_AT_BOTTOM)
                 remaining[key] = _early_runs(*key, is_one_case=is_one_case, is_of_peak=is_of_peak)
@@ -234,17 +247,26 @@ def _early_runs(
     return frozenset(cut)
 
 
-def _dissipates_nothing(run: ComparedRun) -> bool:
-    """Return True for a run that dissipates no energy at any end: its contacts cannot yield, have
-    no friction, and dissipated nothing.
+def _is_zero_at_any_end(name: str, run: ComparedRun) -> bool:
+    """Return True for a dissipated energy, its fraction, or an energy of rotation that is zero at
+    any end of a run: its contacts cannot yield, or have no friction.
     """
-    summary = run.run.summary
-    if not run.has_spheres or summary.get(_DISSIPATING, 0) is not None:
+    if run.run.number(name) != 0 or not run.has_spheres:
         return False
-    has_friction = any(
-        bool(value) for key, value in run.run.case.items() if key.endswith(_FRICTION)
-    )
-    return not has_friction and run.run.number(_DISSIPATED_ENERGY) == 0
+    can_yield = run.run.summary.get(_DISSIPATING, 0) is not None
+    if _matches(name, _OF_PLASTIC):
+        return not can_yield
+    if _matches(name, (*_OF_FRICTION, _ROTATION)):
+        return not _has_friction(run)
+    return _matches(name, _OF_DISSIPATION) and not can_yield and not _has_friction(run)
+
+
+def _has_friction(run: ComparedRun) -> bool:
+    """Return True for a run with friction between spheres, at walls or in a guide."""
+    case = run.run.case
+    in_keys = any(bool(value) for key, value in case.items() if key.endswith(_FRICTION))
+    pairs = [pair for pair in case.get(_PAIRS) or () if isinstance(pair, Mapping)]
+    return in_keys or any(pair.get(_FRICTION) for pair in pairs) or not case
 
 
 def _are_final(
@@ -284,9 +306,10 @@ def is_zone_size(name: str) -> bool:
 
 def is_limited_by_end(name: str) -> bool:
     """Return True for values that ends of runs may truncate although no table of results shows
-    them: values of the peak force on the bottom, sizes of the plastic zone, values at the end.
+    them: values of the peak force on the bottom, sizes of the plastic zone, parts of the
+    dissipated energy, values at the end.
     """
-    return _matches(name, (*_OF_BOTTOM, *_OF_SIZE, *AT_THE_END))
+    return _matches(name, (*_OF_BOTTOM, *_OF_SIZE, *_PARTS, *AT_THE_END))
 
 
 def growing_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
@@ -310,10 +333,7 @@ def _growing_energies(run: ComparedRun) -> list[str]:
     """Return the names of the energies that still grow at the end of a run, and of their fractions
     of the input; other incomplete values have their own marks.
     """
-    names = [name for name in incomplete_in(run.run.summary) if name.endswith(_FRACTION)]
-    if DISSIPATED_FRACTION in names:
-        names.append(_DISSIPATED_ENERGY)
-    return [*names, *(f"energy_dissipated_{name.removesuffix(_FRACTION)}_J" for name in names)]
+    return [name for name in incomplete_in(run.run.summary) if name.endswith((_FRACTION, _JOULES))]
 
 
 def _growing_impulses(run: ComparedRun) -> list[str]:
@@ -473,13 +493,14 @@ def _so_far(time: Array, values: Array) -> SampledCurve:
 _COURSES: tuple[tuple[tuple[str, ...], tuple[Course, ...]], ...] = (
     (("n_plastic_*", "plastic_zone_*"), (_yielded,)),
     (("n_dissipating_*", "zone_*_99_*"), (_dissipated, _yielded)),
-    (("zone_*", "plastic_fraction", "dissipated_fraction", "energy_dissipated_J"), (_dissipated,)),
-    (("friction_fraction",), (_part_of_energy("friction"),)),
-    (("viscous_fraction",), (_part_of_energy("viscous"),)),
-    (("rolling_fraction",), (_part_of_energy("rolling"),)),
-    (("twisting_fraction",), (_part_of_energy("twisting"),)),
-    (("adhesion_fraction",), (_part_of_energy("adhesion"),)),
-    (("absorbed_fraction",), (_part_of_energy("absorbed"),)),
+    (("zone_*", *_OF_PLASTIC, *_OF_DISSIPATION), (_dissipated,)),
+    (_OF_FRICTION, (_part_of_energy("friction"),)),
+    (("viscous_fraction", "energy_dissipated_viscous_J"), (_part_of_energy("viscous"),)),
+    (("holder_fraction", "energy_dissipated_holder_J"), (_part_of_energy("holder"),)),
+    (("rolling_fraction", "energy_dissipated_rolling_J"), (_part_of_energy("rolling"),)),
+    (("twisting_fraction", "energy_dissipated_twisting_J"), (_part_of_energy("twisting"),)),
+    (("adhesion_fraction", "energy_dissipated_adhesion_J"), (_part_of_energy("adhesion"),)),
+    (("absorbed_fraction", "energy_absorbed_J"), (_part_of_energy("absorbed"),)),
     (("peak_force_with_walls_N",), (_any_peak,)),
     (("peak_force_N", "peak_force_error_N", "peak_overlap_m"), (_contact_peak,)),
     ((_IMPULSE,), (_bottom_impulse,)),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from granwave.analysis.formatting.numbers import number, quantity_in
 from granwave.analysis.reports.comparison.subjects import ComparedRun, joined_texts
@@ -11,7 +13,9 @@ _ENERGY = "energy_input_J"
 _VELOCITY = "load.velocity"
 _KIND = "load.kind"
 _IMPACT = "impact"
+_PLATE = "plate"
 _STRIKER = "striker"
+_STATIC_LOAD = "precompression.kind"
 _LEAST_KINDS = 2
 _GRAMS = 1e3
 _SAME = 1e-6  # relative difference of inputs that are equal
@@ -91,16 +95,27 @@ def _input_text(run: ComparedRun) -> str:
 
 
 def _velocity(run: ComparedRun) -> float | None:
-    """Return the velocity of the impacted sphere, or of the body that hits a block, m/s; None with
-    another load or a striker.
+    """Return the velocity of the impacted sphere, the strikers or the plate, or of the body that
+    hits a block, m/s; None with another load, and for strikers of several velocities.
     """
     case = run.run.case
     case = {**case, **run.run.kind.load_keys(case)}
+    if strikers := case.get(_STRIKER):
+        return _velocity_of_strikers(strikers, case)
     velocity = case.get(_VELOCITY)
-    is_impact = case.get(_KIND, _IMPACT) == _IMPACT and not case.get(_STRIKER)
+    is_impact = case.get(_KIND, _IMPACT) in (_IMPACT, _PLATE)
     if not is_impact or not isinstance(velocity, float | int) or isinstance(velocity, bool):
         return None
     return float(velocity)
+
+
+def _velocity_of_strikers(strikers: Sequence[Any], case: Mapping[str, Any]) -> float | None:
+    """Return the common velocity of strikers that are the only load, m/s; None otherwise."""
+    if case.get(_KIND) != _STRIKER or case.get(_STATIC_LOAD):
+        return None
+    tables = [striker for striker in strikers if isinstance(striker, Mapping)]
+    speeds = [math.hypot(*striker.get("velocity", ())) for striker in tables]
+    return speeds[0] if speeds and _are_equal(speeds) else None
 
 
 def _are_equal(values: Sequence[float]) -> bool:

@@ -90,7 +90,9 @@ def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> l
     return [ranking.sentence for ranking in protection_rankings(runs, names)]
 
 
-def protection_rankings(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[Ranking]:
+def protection_rankings(
+    runs: Sequence[ComparedRun], names: Sequence[str], dependence: str = ""
+) -> list[Ranking]:
     """Return the orders of the runs by their protection, with all values and their ratios.
 
     Runs with the same input are ordered by the peak force on the bottom, above its static force if
@@ -105,16 +107,19 @@ def protection_rankings(runs: Sequence[ComparedRun], names: Sequence[str]) -> li
     ----------
     names
         Names of the runs in sentences: (n_runs,).
+    dependence
+        Settings of the model, if the runs differ in nothing else; the sentences then state that
+        the values depend on them, and no run protects better. See `models.model_dependence`.
     """
     rankings: list[Ranking] = []
-    if force := _force_sentence(runs, names):
+    if force := _force_sentence(runs, names, dependence):
         rankings.append(Ranking(force, _OF_FORCE))
-    if depth := _depth_sentence(runs, names):
+    if depth := _depth_sentence(runs, names, dependence):
         rankings.append(Ranking(depth, _OF_DEPTH))
     return rankings
 
 
-def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
+def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str], dependence: str) -> str:
     """Return the order of the runs by the peak force below the packing; empty without one."""
     place = "target" if all(target_of(run.run.case) for run in runs) else "bottom"
     compared = names
@@ -126,32 +131,55 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         static = [static_force_at_bottom(run) for run in runs]
         force = "peak dynamic force" if any(static) else "peak force"
         entries = _entries(_FORCE, runs, names, static)
-        phrase = _Phrase(
-            f"{{}} protects the {place} {{}}: its {force} is {{}}",
-            f"{{}} protect the {place} {{}}: their {force} is {{}}",
-            f"The {force} on the {place} is {{}}",
-            "{} times as high",
-            "better",
-            "best",
-        )
+        phrase = _phrase_of_force(force, place, dependence)
         return _ordered(phrase, entries, partial(quantity_in, unit="N"), compared)
     relative = [_Entry(entry.name, 1 / entry.value) for entry in _entries(_REDUCTION, runs, names)]
-    reduced = (
-        f"Inputs differ; the peak force on the {place} relative to the same impact without the "
-        "packing is"
-    )
-    phrase = _Phrase(
-        f"{reduced} {{1}}, {{2}}, in {{0}}",
-        f"{reduced} {{1}}, {{2}}, in {{0}}",
-        f"{reduced} {{}}",
-        "{} times as high",
-        "lower",
-        "lowest",
-    )
+    phrase = _phrase_of_reduction(place, dependence)
     return _ordered(phrase, relative, number, compared)
 
 
-def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
+def _phrase_of_force(force: str, place: str, dependence: str) -> _Phrase:
+    """Return the templates for the force on the bottom.
+
+    Parameters
+    ----------
+    force
+        Name of the force.
+    place
+        Place of the force: bottom or target.
+    dependence
+        As of `protection_rankings`.
+    """
+    equal = f"The {force} on the {place} is {{}}"
+    times = "{} times as high"
+    if dependence:
+        depends = f"The {force} on the {place} depends on {dependence}: it is {{2}} in {{0}}"
+        return _Phrase(depends, depends, equal, times, "", "")
+    return _Phrase(
+        f"{{}} protects the {place} {{}}: its {force} is {{}}",
+        f"{{}} protect the {place} {{}}: their {force} is {{}}",
+        equal,
+        times,
+        "better",
+        "best",
+    )
+
+
+def _phrase_of_reduction(place: str, dependence: str) -> _Phrase:
+    """Return the templates for the force relative to the impact without the packing; parameters as
+    of `_phrase_of_force`.
+    """
+    relative = (
+        f"Inputs differ; the peak force on the {place} relative to the same impact without the "
+        "packing"
+    )
+    ordered = f"{relative} is {{1}}, {{2}}, in {{0}}"
+    if dependence:
+        ordered = f"{relative} depends on {dependence}: it is {{1}}, {{2}}, in {{0}}"
+    return _Phrase(ordered, ordered, f"{relative} is {{}}", "{} times as high", "lower", "lowest")
+
+
+def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str], dependence: str) -> str:
     """Return the order of the runs by the depth of the plastic zone; empty without two zones."""
     if not have_same_input([run for run in runs if run.run.number(_DEPTH)]):
         return ""
@@ -161,14 +189,7 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     entries = _entries(
         _DEPTH, [runs[place] for place in complete], [names[place] for place in complete]
     )
-    phrase = _Phrase(
-        "{} has the {} plastic zone: its 90 % depth, interpolated between layers, is {}",
-        "{} have the {} plastic zones: their 90 % depth, interpolated between layers, is {}",
-        "The 90 % depth of the plastic zone, interpolated between layers, is {}",
-        "{} times as deep",
-        "shallower",
-        "shallowest",
-    )
+    phrase = _phrase_of_depth(dependence)
     text = _ordered(phrase, entries, partial(quantity_in, unit="m"), names)
     without = [
         name
@@ -178,6 +199,26 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     if not text or not without or len(without) > _MOST_LISTED:
         return text
     return f"{text} No plastic dissipation below the impact: {', '.join(without)}."
+
+
+def _phrase_of_depth(dependence: str) -> _Phrase:
+    """Return the templates for the depth of the plastic zone; ``dependence`` as of
+    `protection_rankings`.
+    """
+    depth = "90 % depth of the plastic zone, interpolated between layers,"
+    equal = f"The {depth} is {{}}"
+    times = "{} times as deep"
+    if dependence:
+        depends = f"The {depth} depends on {dependence}: it is {{2}} in {{0}}"
+        return _Phrase(depends, depends, equal, times, "", "")
+    return _Phrase(
+        "{} has the {} plastic zone: its 90 % depth, interpolated between layers, is {}",
+        "{} have the {} plastic zones: their 90 % depth, interpolated between layers, is {}",
+        equal,
+        times,
+        "shallower",
+        "shallowest",
+    )
 
 
 def _has_complete_zone(run: ComparedRun) -> bool:

@@ -24,6 +24,7 @@ from granwave.analysis.reports.setting import (
     differing,
     ids_of,
     is_nothing,
+    load_in_words,
     origin_of,
 )
 from granwave.analysis.result.reader import Result
@@ -47,8 +48,18 @@ _OF_BOUNDARY = "boundary."
 _BOTTOM = "boundary.bottom"
 _OF_BAR = "bar."
 _BAR = "bar.length"  # the key that names a bar in a label
-_BEFORE_SUPPORT = ("packing.", "material.")  # keys that are first in a label
-_LAST = 3
+_LOAD = "load"  # in place of the keys of the load, if its kind or its strikers differ
+_OF_LOAD = "load."
+_KIND_OF_LOAD = "load.kind"
+_STRIKERS = "striker"
+#: Beginnings of the keys of a label, in their order; other keys follow.
+_ORDER = (
+    (KIND_OF_PACKING,),
+    (_OF_MATERIAL,),
+    (_LOAD,),
+    ("packing.",),
+    (_OF_BOUNDARY, _OF_BAR),
+)
 _CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by their units
 _PAIR = 2
 _MOST_KEYS = 3  # in a label
@@ -57,6 +68,7 @@ _LONGEST_VALUE = 24  # characters of a value in a label
 _EARLY = 0.5  # end time / latest end, below which a label states the end of a run
 _BETWEEN_DIFFERENCES = ", "
 _BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
+_PRONOUNS = (("it has ", "they have "), ("it is a ", "each is a "), ("it ", "they "))
 _POINT = r"(.+) #\d+"  # name of a point of a scan, which says nothing about its case
 _SEED_TEXT = r"seed \d+"  # of a random packing, in a label
 _KILO = 1e3
@@ -283,7 +295,20 @@ def by_reason(lacking: Mapping[ComparedRun, str]) -> str:
     groups: dict[str, list[ComparedRun]] = {}
     for run, why in lacking.items():
         groups.setdefault(why, []).append(run)
-    return "; ".join(f"{ranges_of(runs)} ({why})" for why, runs in groups.items())
+    texts = [
+        f"{ranges_of(runs)} ({why if len(runs) == 1 else _of_several(why)})"
+        for why, runs in groups.items()
+    ]
+    return "; ".join(texts)
+
+
+def _of_several(reason: str) -> str:
+    """Return the reason of several runs, which is in words for one run: ``they have no ...``."""
+    for one, several in _PRONOUNS:
+        if reason.startswith(one):
+            reason = f"{several}{reason.removeprefix(one)}"
+            break
+    return re.sub(r"\bits\b", "their", reason)
 
 
 def ranges_of(runs: Sequence[ComparedRun]) -> str:
@@ -383,6 +408,7 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
         keys = comparable_keys(keys, with_case)
     keys = [key for key in keys if not _has_table(key, runs)]
     keys = _with_one_key_of_bar(keys)
+    keys = _with_one_key_of_load(keys)
     keys.sort(key=_order_in_label)
     values = {key: _value_texts(key, runs) for key in keys}
     usual = {key: _usual(of_runs) for key, of_runs in values.items()}
@@ -437,7 +463,7 @@ def _fitting(key: str, text: str, case: Mapping[str, Any]) -> str:
     """Return the value of a key, of a long table its first name, ``plate``; empty if it does not
     fit into a label.
     """
-    longest = _LONGEST if key == _REPLACED else _LONGEST_VALUE
+    longest = _LONGEST if key in (_REPLACED, _LOAD) else _LONGEST_VALUE
     if len(text) <= longest:
         return text
     first = re.split(r"[ ,]", text)[0]
@@ -461,6 +487,8 @@ def _value_texts(key: str, runs: Sequence[ReportRun]) -> list[str]:
     """
     if key == _REPLACED:
         return _replacement_texts(runs)
+    if key == _LOAD:
+        return [load_in_words(run.case) for run in runs]
     return [
         "" if _is_left_out(key, run.case) else value_text(key, run.case, missing="") for run in runs
     ]
@@ -478,15 +506,23 @@ def _with_one_key_of_bar(keys: Sequence[str]) -> list[str]:
     return [key for key in keys if key == _BAR or not key.startswith(_OF_BAR)]
 
 
+def _with_one_key_of_load(keys: Sequence[str]) -> list[str]:
+    """Return the keys with one key for the load, if its kind or its strikers differ."""
+    if not {_KIND_OF_LOAD, _STRIKERS}.intersection(keys):
+        return list(keys)
+    return [*(key for key in keys if key != _STRIKERS and not key.startswith(_OF_LOAD)), _LOAD]
+
+
 def _order_in_label(key: str) -> int:
-    """Return the order of a key in a label: the support before the law, and the seed last, so that
-    short labels omit it first.
+    """Return the order of a key in a label: kind of packing, material and load before the size,
+    then the support and the law, and the seed last, so that short labels omit it first.
     """
     if key == SEED:
-        return _LAST
-    if key.startswith(_BEFORE_SUPPORT):
-        return 0
-    return 1 if key.startswith((_OF_BOUNDARY, _OF_BAR)) else 2
+        return len(_ORDER) + 1
+    for order, beginnings in enumerate(_ORDER):
+        if key.startswith(beginnings):
+            return order
+    return len(_ORDER)
 
 
 def _replacement_texts(runs: Sequence[ReportRun]) -> list[str]:
@@ -509,7 +545,7 @@ def _with_name(key: str, text: str) -> str:
     """Return the value of a key in a label: with the name of the key for a boundary, for a number
     without a unit, and for a unit that does not identify the key.
     """
-    if key == _REPLACED:
+    if key in (_REPLACED, _LOAD):
         return text
     if key == _BAR:
         return f"bar of {text}"

@@ -63,7 +63,8 @@ def sentence(
         largest = max(different, key=lambda value: value.spread)
         results = f"{other}results {_ALL_COMPLETE}" if is_truncated else f"{other}results"
         return f"{results[0].upper()}{results[1:]} {_agreement(largest)}."
-    most, *others = [_clause(value, names_with_cases(runs)) for value in of_families(distinct)]
+    named_first = of_families(_most_different_first(distinct) if asked else distinct)
+    most, *others = [_clause(value, names_with_cases(runs)) for value in named_first]
     most = f"{most}{_UNLIKE_INPUTS if have_unlike_inputs(runs) else ''}"
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
@@ -88,7 +89,7 @@ def _uncounted(
         reason = _why_uncounted(value, runs)
         if reason and value.name not in names and value.ratio and value.spread > largest:
             parts.append(f"{_in_sentence(value.label)} ({reason})")
-    return f"Larger ratios that are not counted: {named(parts, _MOST_NAMED)}." if parts else ""
+    return f"Larger ratios that are not counted: {_listed_labels(parts)}." if parts else ""
 
 
 def _why_uncounted(value: ComparedValue, runs: Sequence[ComparedRun]) -> str:
@@ -119,6 +120,13 @@ def _main_values(values: Sequence[ComparedValue], *, asked: bool = False) -> lis
 def _distinct_values(different: Sequence[ComparedValue]) -> list[ComparedValue]:
     """Return the values that differ by enough for a sentence."""
     return [value for value in different if value.spread > _HARDLY and not value.is_negligible]
+
+
+def _most_different_first(values: Sequence[ComparedValue]) -> list[ComparedValue]:
+    """Return requested values in the order of their ratios: zeros next to numbers and different
+    signs first, and values of which a run has none last.
+    """
+    return sorted(values, key=lambda value: (not value.has_complete_runs, -value.spread))
 
 
 def _agreement(value: ComparedValue) -> str:
@@ -191,12 +199,12 @@ def truncation_note(values: Sequence[ComparedValue]) -> str:
     labels = [_in_sentence(value.label) for value in truncated]
     if not labels:
         return ""
-    return f"{NOT_COMPARED}: {named(labels, _MOST_LABELS)}."
+    return f"{NOT_COMPARED}: {_listed_labels(labels)}."
 
 
 def partial_note(values: Sequence[ComparedValue], names: Sequence[str]) -> str:
-    """Return a sentence on the runs whose end truncates values of which other runs are compared;
-    empty if there are none.
+    """Return sentences on the runs whose end truncates values of which other runs are compared, by
+    the values that it truncates in the same runs; empty if there are none.
 
     Parameters
     ----------
@@ -206,10 +214,23 @@ def partial_note(values: Sequence[ComparedValue], names: Sequence[str]) -> str:
     partial = [value for value in values if value.places_left_out]
     if not partial:
         return ""
-    places = sorted(frozenset().union(*(value.incomplete for value in partial)))
-    cut = named([names[place] for place in places], _MOST_NAMED)
-    labels = named([_in_sentence(value.label) for value in partial], _MOST_LABELS)
-    return f"{PARTIAL} ({MARK} in tables), and not part of ratios: values of {cut} ({labels})."
+    labels: dict[frozenset[int], list[str]] = {}
+    for value in partial:
+        labels.setdefault(value.incomplete, []).append(_in_sentence(value.label))
+    parts: list[str] = []
+    for places, of_places in labels.items():
+        cut = named([names[place] for place in sorted(places)], _MOST_NAMED)
+        parts.append(f"in {cut}: {_listed_labels(of_places)}")
+    first, *others = parts
+    more = "".join(f" {part[0].upper()}{part[1:]}." for part in others)
+    return f"{PARTIAL} ({MARK} in tables), and not part of ratios, {first}.{more}"
+
+
+def _listed_labels(labels: Sequence[str]) -> str:
+    """Return labels of values, which may contain commas, in a list; of many labels the first."""
+    left = len(labels) - _MOST_LABELS
+    more = f" and {left} more" if left > 0 else ""
+    return f"{'; '.join(labels[:_MOST_LABELS])}{more}"
 
 
 def beyond_law_note(runs: Sequence[ComparedRun]) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Sequence
 from granwave.analysis.document.model import label_of, unit_of_value
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.measures.incomplete_values import growing_values
 from granwave.analysis.measures.law_range import is_beyond_law
 from granwave.analysis.measures.zone_resolution import error_of
 from granwave.analysis.quantities import SIZES_BY_LAYERS, quantities, report_columns
@@ -115,6 +116,11 @@ def _limited_values(names: Sequence[str], runs: Sequence[ComparedRun]) -> list[C
             is_growing=is_growing,
             is_unresolved=name in unresolved,
             incomplete=frozenset(n for n, run in enumerate(runs) if run in cut),
+            growing=frozenset(
+                n
+                for n, run in enumerate(runs)
+                if name in growing_by_run[run] or name in growing_values(run.run.summary)
+            ),
         )
         values.append(value)
     return values
@@ -230,6 +236,7 @@ def _value(
     is_growing: bool = False,
     is_unresolved: bool = False,
     incomplete: frozenset[int] = frozenset(),
+    growing: frozenset[int] = frozenset(),
 ) -> ComparedValue:
     numbers = [_number(name, run) for run in runs]
     finite = [None if value is None or not math.isfinite(value) else value for value in numbers]
@@ -252,6 +259,7 @@ def _value(
         is_of_input=is_of_input,
         differs_in_meaning=name in (*unlike_names(runs), *_unlike_at_walls(runs)),
         incomplete=incomplete,
+        growing=growing,
         is_unresolved=is_unresolved,
         errors=tuple(error_of(name, run.run.summary) for run in runs),
         beyond_law=frozenset(

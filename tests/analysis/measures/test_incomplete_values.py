@@ -10,6 +10,7 @@ import pytest
 from granwave.analysis.measures.incomplete_values import (
     BOTTOM_PEAKS,
     COUNTS,
+    growing_values,
     incomplete_in,
     incomplete_values,
 )
@@ -82,3 +83,17 @@ def test_sizes_of_a_growing_zone_are_incomplete():
     summary = {"zone_growing": ["radius"], "zone_radius_90_m": 1.0, "zone_depth_90_m": 1.0}
     assert list(incomplete_in(summary)) == ["zone_radius_90_m"]
     assert not incomplete_in({})
+
+
+def test_energies_of_growing_fractions_are_incomplete():
+    summary = {
+        "incomplete_values": ["dissipated_fraction", "friction_fraction", "wall_peak_force_N"],
+        "dissipated_fraction": 0.5,
+        "friction_fraction": 0.1,
+        "energy_dissipated_friction_J": 0.2,
+        "energy_dissipated_wall_J": 0.1,
+        "wall_peak_force_N": 10.0,
+    }
+    energies = {"energy_dissipated_friction_J", "energy_dissipated_wall_J"}
+    assert energies <= set(incomplete_in(summary))
+    assert growing_values(summary) == ["dissipated_fraction", "friction_fraction"]

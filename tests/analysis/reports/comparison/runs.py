@@ -24,6 +24,11 @@ def compared(place, *names: str, **options) -> Comparison:
     return compare_runs(list(inputs.results()), **options)
 
 
+def in_one_line(text: str) -> str:
+    """Text at the terminal without the ends of its lines."""
+    return " ".join(text.split())
+
+
 def drawn(comparison: Comparison) -> dict[str, Drawing]:
     with style():
         names = comparison.figures

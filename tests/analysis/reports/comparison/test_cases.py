@@ -39,7 +39,9 @@ def test_chains_to_the_bead(place):
 
 
 def test_labels_show_the_diameter(tmp_path):
-    """Lattice, size and diameter differ; a fourth difference is an ellipsis."""
+    """Lattice, size and diameter differ; a fourth difference is an ellipsis, and the velocity is
+    before the size.
+    """
     changes = {
         "a": {"packing__kind": "fcc", "packing__size": "[8, 8, 5]"},
         "b": {"packing__kind": "hcp", "packing__size": "[9, 9, 6]", "packing__diameter": 0.006},
@@ -48,7 +50,7 @@ def test_labels_show_the_diameter(tmp_path):
     assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "b: hcp, 9 × 9 × 6, 6 mm"
     fast = changes["b"] | {"load__velocity": 9}
     runs[1] = write_run(tmp_path / "c", figures=False, **fast)
-    assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "c: hcp, 9 × 9 × 6, 6 mm, …"
+    assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "c: hcp, 9 m/s, 9 × 9 × 6, …"
 
 
 def test_labels_name_the_support_before_the_law(tmp_path):
@@ -78,7 +80,7 @@ def test_a_run_with_the_usual_values_has_a_description(tmp_path):
     runs = read_inputs([tmp_path / name for name in changes], tmp_path).runs
     first, fast, *_ = [run.label for run in compared_runs(runs)]
     assert fast == "fast: 9 m/s"
-    assert first.startswith("b1: ") and first.endswith("m/s")
+    assert first == "b1: 5 m/s, 10 mm"
 
 
 def test_labels_name_a_plate_and_an_early_end(tmp_path):

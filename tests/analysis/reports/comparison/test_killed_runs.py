@@ -16,6 +16,7 @@ from granwave.analysis.reports.inputs import read_inputs
 from granwave.lammps_inputs.run_directory import LOCK_FILE, MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
+from tests.analysis.reports.comparison.runs import in_one_line
 from tests.helpers.made_up.synthetic_report import write_run
 
 pytestmark = pytest.mark.xdist_group("comparison of runs")  # its fixture is made once
@@ -29,7 +30,7 @@ def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsy
     output = tmp_path / "page.html"
     words = [str(place / "fcc"), str(killed), str(place / "hcp"), "-o", str(output)]
     assert main(["compare", *words]) == 0
-    shown = capsys.readouterr().out
+    shown = in_one_line(capsys.readouterr().out)
     assert "Left out: " in shown and "reached 1.5 ms; the run is not finished (killed)" in shown
     assert "Left out: " in output.read_text()
     assert len(gw.compare([place / "fcc", killed, place / "hcp"]).runs) == 2

@@ -8,6 +8,7 @@ from granwave.analysis.reports.comparison.compare import compare_runs
 from granwave.analysis.reports.comparison.compared_value import DIFFERENT_MEANING
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.workflows.cli.compare import text_of
+from tests.analysis.reports.comparison.runs import in_one_line
 from tests.helpers.made_up.synthetic_report import write_run
 from tests.helpers.made_up.synthetic_scan import write_json
 
@@ -42,7 +43,7 @@ def test_wave_speeds_of_two_definitions_have_no_ratio(tmp_path, versions, earlie
     assert SPEED not in comparison.table.index
     (note,) = [note for note in comparison.notes if "wave speed" in note]
     assert note.startswith(f"The wave speed in results before version 1.1 ({earlier}) refers to")
-    assert note in text_of(comparison)
+    assert note in in_one_line(text_of(comparison))
 
 
 @pytest.mark.parametrize("versions", [("1.0.0", "0.3.0"), ("1.1.0", "1.2.0"), ("", "1.1.0")])

@@ -6,7 +6,7 @@ import pytest
 
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.compare import text_of
-from tests.analysis.reports.comparison.runs import compared
+from tests.analysis.reports.comparison.runs import compared, in_one_line
 
 CHAIN = {
     "packing.size": 20,
@@ -40,7 +40,7 @@ def test_forces_on_walls_of_some_runs_are_not_compared(folder):
         "touches a wall, so that it has no ratio: free." in note for note in comparison.notes
     )
     asked = compared(folder, "wall", "free", quantities=[WITH_WALLS])
-    assert "packings with and without walls define it differently" in text_of(asked)
+    assert "packings with and without walls define it differently" in in_one_line(text_of(asked))
     both = compared(folder, "wall", "yielding")
     assert WITH_WALLS not in both.without_ratio
 
