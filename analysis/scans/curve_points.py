@@ -67,7 +67,7 @@ def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) 
     Parameters
     ----------
     x, y, marks
-        Abscissa, value and `Mark` by row of the scan; a mean has the most severe mark of its
+        Abscissa, value and marks (see `Mark`) by row of the scan; a mean has the marks of all its
         points.
     others
         Keys that distinguish curves.
@@ -78,8 +78,9 @@ def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) 
     for curve, members in enumerate(curve_rows(table.index, others).values()):
         places = table.loc[members].groupby(table.x.map(lambda value: float(f"{value:.12g}")))
         rows = []
-        for (_, values), mark in zip(places.y, places["mark"].max(), strict=True):
+        for (_, values), (_, marks_here) in zip(places.y, places["mark"], strict=True):
             mean = estimate(values.tolist())
+            mark = int(np.bitwise_or.reduce(marks_here.to_numpy()))
             rows.append((mean.mean, mean.deviation, mean.half_width, mean.n, mark))
         points = DataFrame(rows, columns=names)
         curves.append(points.assign(curve=curve, row=members[0], x=list(places.groups)))

@@ -4,8 +4,8 @@ plastic zones.
 Curves and bars are drawn from a table with a row for each point. Its columns are ``curve``, the
 number of the curve; ``row``, the row of a point of the curve in the scan; ``x``, the abscissa, or
 for bars the position of the category; ``mean``, ``deviation`` and ``half_width`` of the 95 %
-confidence interval of the mean (NaN for a single value) and the ``count`` of values; ``mark``, the
-`Mark` of a plastic zone, 0 for other quantities.
+confidence interval of the mean (NaN for a single value) and the ``count`` of values; ``mark``, all
+marks of the value (see `Mark`), 0 without a mark.
 """
 
 from __future__ import annotations
@@ -77,9 +77,9 @@ def draw_curves(
 ) -> Drawing:
     """Draw curves with markers and a legend above, or a colour scale if there are many curves.
 
-    Points of plastic zones that reach a boundary are open, half open if a wave returned from a
-    boundary. Crosses are points of values that the end of the run limits, upright crosses points of
-    values that contacts beyond the range of the law determine.
+    Points of plastic zones that reach a boundary are open, half open if only a wave returned from a
+    boundary. Values that the end of the run limits have a cross over their point, values that
+    contacts beyond the range of the law determine an upright cross.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def draw_bars(
     """Draw bars by category, below each other, with a bar for each curve.
 
     On a logarithmic axis points are drawn instead. Bars have marks at their ends: an open circle
-    for plastic zones that reach a boundary, half open if a wave returned from a boundary, a
+    for plastic zones that reach a boundary, half open if only a wave returned from a boundary, a
     cross if the end of the run limits the value, and an upright cross for contacts beyond the range
     of the law. A bar of zero is a tick with its number.
     """
@@ -302,9 +302,17 @@ def even_in_log(values: NDArray[np.float64]) -> bool:
 
 
 def marks_of(marks: Iterable[int]) -> dict[Mark, str]:
-    """Return the marks that occur, with their labels."""
-    present = set(marks)
-    return {mark: label for mark, label in LABELS.items() if mark in present}
+    """Return the marks that are drawn for points with these marks, with their labels."""
+    points = list(marks)
+    return {mark: label for mark, label in LABELS.items() if any(_drawn(points, mark))}
+
+
+def _drawn(marks: Iterable[int], mark: Mark) -> list[bool]:
+    """Return True for each point at which a mark is drawn: not a half-open marker where the point
+    is open.
+    """
+    hiding = Mark.CUT if mark is Mark.WAVE else Mark.NONE
+    return [bool(of_point & mark) and not of_point & hiding for of_point in marks]
 
 
 def draw_marks(
@@ -312,7 +320,7 @@ def draw_marks(
 ) -> None:
     """Draw the marked points over existing ones."""
     for mark in LABELS:
-        chosen = np.asarray(marks) == mark
+        chosen = np.array(_drawn(np.asarray(marks).tolist(), mark), dtype=bool)
         if chosen.any():
             look = marked_marker(mark, marker, size, colour)
             axes.plot(np.asarray(x)[chosen], np.asarray(y)[chosen], zorder=3, **look)
@@ -400,8 +408,10 @@ def _columns(
     if (points["count"] > 1).any():
         names = {"standard_deviation": "deviation", "confidence_95": "half_width", "n": "count"}
         table |= {name: points[column].to_numpy() for name, column in names.items()}
-    for mark, label in marks_of(points["mark"]).items():
-        table[label.replace(" ", "_")] = (points["mark"] == mark).astype(int).to_numpy()
+    for mark, label in LABELS.items():
+        has_mark = (points["mark"] & int(mark)) > 0
+        if has_mark.any():
+            table[label.replace(" ", "_")] = has_mark.astype(int).to_numpy()
     return table
 
 

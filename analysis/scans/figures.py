@@ -19,7 +19,7 @@ from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, att
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.incomplete_values import incomplete_in
 from granwave.analysis.measures.law_range import is_beyond_law
-from granwave.analysis.measures.zone_size import Mark, mark_of
+from granwave.analysis.measures.zone_size import Mark, zone_marks
 from granwave.analysis.quantities import quantity
 from granwave.analysis.scans.abscissae import FEWEST, FEWEST_LEVELS, choices_of_axes, keys_of_curves
 from granwave.analysis.scans.curve_points import (
@@ -146,7 +146,7 @@ class _Data:
     free
         Names of the independent keys.
     marks
-        `Mark` of the plastic zone, by row.
+        Marks of the plastic zone, by row; see `Mark`.
     ordinates
         Quantities with their values by row; quantities that are 0 at all points are omitted.
     """
@@ -168,7 +168,7 @@ class _Data:
             return None
         units = result.units
         keys = {name: key_of(name, column, units.get(name, "")) for name, column in labels.items()}
-        marks = Series({row: int(mark_of(point.summary)) for row, point in points.items()})
+        marks = Series({row: int(zone_marks(point.summary)) for row, point in points.items()})
         shown = []
         for ordinate in ordinates(result.varied, list(points.values())):
             values = _values(ordinate.value, points)
@@ -203,13 +203,17 @@ class _Data:
         return figures
 
     def _marks_of(self, key: str, is_of_zone: bool) -> Series:
-        """Return the marks of a quantity by row: its end, the range of the law, or the boundaries
-        of a plastic zone.
+        """Return all marks of a quantity by row: the end of the run, the range of the law, and the
+        boundaries of a plastic zone.
         """
-        beyond = {row: is_beyond_law(key, point.summary) for row, point in self.points.items()}
-        ends = {row: key in incomplete_in(point.summary) for row, point in self.points.items()}
-        marks = (self.marks * is_of_zone).mask(Series(beyond, dtype=bool), int(Mark.LAW))
-        return marks.mask(Series(ends, dtype=bool), int(Mark.END))
+        marks = {}
+        for row, point in self.points.items():
+            marks[row] = int(self.marks[row]) if is_of_zone else int(Mark.NONE)
+            if is_beyond_law(key, point.summary):
+                marks[row] |= Mark.LAW
+            if key in incomplete_in(point.summary):
+                marks[row] |= Mark.END
+        return Series(marks, dtype=int)
 
     def collapses(self) -> Drawers:
         """Return functions that draw dissipation and plastic volume on normalised axes."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from granwave.analysis.measures.law_range import contacts_beyond_law
-from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, zone_marks
 from granwave.analysis.quantities import Quantity, quantity, scan_columns
 from granwave.analysis.scans.headline import headline
 from granwave.analysis.scans.means import means_of
@@ -61,9 +61,9 @@ def outcome_text(outcome: ScanOutcome) -> str:
     if len(points) > _MOST_ROWS:
         text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
     text = f"{text}\n\n{_means_text(result)}" if points else ""
-    marks = [mark_of(point.summary) for point in points]
+    marks = [zone_marks(point.summary) for point in points]
     for mark, label in LABELS.items():
-        if count := marks.count(mark):
+        if count := sum(mark in of_point for of_point in marks):
             text += (
                 f"plastic zone: {label} in {count} of {len(points)} points, as marked in "
                 "figures and report\n\n"
