@@ -5,7 +5,7 @@ There is no table for quantities that do not change along any curve, or for too 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -58,6 +58,30 @@ def is_one_line(rows: Sequence[int], x: VariedKey, keys: Iterable[VariedKey]) ->
             if np.any(steps > 0) and np.any(steps < 0):
                 return False
     return True
+
+
+def first_of_equal_rows(
+    key: VariedKey, settings: Mapping[int, Mapping[str, Any]], values: Series, marks: Series
+) -> list[int]:
+    """Return a row for each combination of the other keys, if a key changes neither values nor
+    marks at any of them; empty if it does, or if no two points differ in this key only.
+
+    Parameters
+    ----------
+    settings
+        Values of all varied keys by row.
+    """
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for row, setting in settings.items():
+        others = tuple(value for name, value in setting.items() if name != key.name)
+        groups.setdefault(others, []).append(row)
+    if all(len(rows) < FEWEST for rows in groups.values()):
+        return []
+    for rows in groups.values():
+        is_same = is_constant(values[rows]) and marks[rows].nunique() == 1
+        if not is_same or values[rows].isna().nunique() > 1:
+            return []
+    return [rows[0] for rows in groups.values()]
 
 
 def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) -> DataFrame:

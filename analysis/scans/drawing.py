@@ -188,13 +188,16 @@ def draw_bars(
     y_title: str,
     others: Sequence[VariedKey],
     columns: Titles,
+    *,
+    merged: Sequence[VariedKey] = (),
 ) -> Drawing:
     """Draw bars by category, below each other, with a bar for each curve.
 
     On a logarithmic axis points are drawn instead. Bars have marks at their ends: an open circle
     for plastic zones that reach a boundary, half open if only a wave returned from a boundary, a
     cross if the end of the run limits the value, and an upright cross for contacts beyond the range
-    of the law. A bar of zero is a tick with its number.
+    of the law. A bar of zero is a tick with its number. The legend names keys without an effect
+    (`merged`).
     """
     n_curves = points.curve.nunique()
     names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
@@ -228,9 +231,20 @@ def draw_bars(
             handles[label] = _handle(logarithmic, look, fill)
     for mark, text in marks_of(points["mark"]).items():
         handles[text] = Line2D([], [], **marked_marker(mark, "o", _END_OF_BAR, "black"))
+    handles |= _names_of_merged(merged)
     _legend(figure, handles)
     categories = np.array([ticks[int(place)] for place in points.x])
     return Drawing(figure, _columns(points, others, columns, categories))
+
+
+def _names_of_merged(keys: Sequence[VariedKey]) -> dict[str, Line2D]:
+    """Return entries of a legend without a mark that name keys without an effect."""
+    entries = {}
+    for key in keys:
+        n_values = len(set(key.values))
+        how_many = "both" if n_values == 2 else f"all {n_values}"
+        entries[f"the same at {how_many} values of {key.words}"] = Line2D([], [], linestyle="none")
+    return entries
 
 
 def _name_zeros(axes: Axes, places: Iterable[float], colour: Any) -> None:

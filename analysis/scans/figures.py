@@ -26,6 +26,7 @@ from granwave.analysis.scans.curve_points import (
     NOTHING,
     categories_of,
     curve_rows,
+    first_of_equal_rows,
     is_one_line,
     points_of,
     table_of_bars,
@@ -196,11 +197,33 @@ class _Data:
         x = self.keys[name]
         others = [self.keys[other] for other in self.free if other != name]
         figures: Drawers = {}
-        for ordinate, values in self.ordinates:
-            table = table_of_bars(x, others, values, self._marks_of(ordinate.key, ordinate.zone))
+        for ordinate, all_values in self.ordinates:
+            marks = self._marks_of(ordinate.key, ordinate.zone)
+            values, merged = self._merged(others, all_values, marks)
+            kept = [key for key in others if key not in merged]
+            table = table_of_bars(x, kept, values, marks[values.index])
             if table is not None:
-                figures[f"{ordinate.name}_vs_{x.slug}"] = partial(_bars, x, others, ordinate, table)
+                figures[f"{ordinate.name}_vs_{x.slug}"] = partial(
+                    _bars, x, kept, ordinate, table, merged
+                )
         return figures
+
+    def _merged(
+        self, others: Sequence[VariedKey], values: Series, marks: Series
+    ) -> tuple[Series, list[VariedKey]]:
+        """Return the values to draw, and the keys that do not change them, of whose values only the
+        first is drawn.
+        """
+        merged: list[VariedKey] = []
+        for key in others:
+            settings = {row: dict(self.points[row].labels) for row in values.index}
+            for row in settings:
+                for done in merged:
+                    del settings[row][done.name]
+            if rows := first_of_equal_rows(key, settings, values, marks):
+                values = values[rows]
+                merged.append(key)
+        return values, merged
 
     def _marks_of(self, key: str, is_of_zone: bool) -> Series:
         """Return all marks of a quantity by row: the end of the run, the range of the law, and the
@@ -281,11 +304,16 @@ def _curves(
 
 
 def _bars(
-    x: VariedKey, others: Sequence[VariedKey], quantity: Ordinate, table: DataFrame
+    x: VariedKey,
+    others: Sequence[VariedKey],
+    quantity: Ordinate,
+    table: DataFrame,
+    merged: Sequence[VariedKey],
 ) -> Drawing:
     """Draw bars of a table of `table_of_bars`."""
     ticks = [x.tick(x.values.index(category)) for category in categories_of(x)]
-    return draw_bars(table, ticks, x.title, quantity.title, others, (x.column, quantity.column))
+    columns = (x.column, quantity.column)
+    return draw_bars(table, ticks, x.title, quantity.title, others, columns, merged=merged)
 
 
 def _map(x: VariedKey, y: VariedKey, quantity: Ordinate, values: Series) -> Drawing | None:
