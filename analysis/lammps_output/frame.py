@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from granwave._number_reader import read_numbers
 from granwave.analysis.errors import OutputFormatError
+from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.files import read_number, read_whole
 
 AGAIN = "run the case again with force=True"
@@ -60,7 +61,9 @@ def read_rows(
     for n, row in enumerate(rows):
         words = row.split()
         if len(words) != len(columns):
-            faults = [f"found {len(words)} values, expected {len(columns)} ({' '.join(columns)})"]
+            faults = [
+                f"found {counted(len(words), 'value')}, expected {len(columns)} ({' '.join(columns)})"
+            ]
         else:
             faults = list(filter(None, map(_fault, words, columns)))
         if faults:

@@ -336,7 +336,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         missing = sum(point.run is None for point in scan.points) - failed
         undone: list[tuple[int, str, Tone]] = [
             (failed, "failed", "bad"),
-            (missing, "are missing", "note"),
+            (missing, "is missing" if missing == 1 else "are missing", "note"),
         ]
         notes += [
             Note(f"Scan {scan.label}: {count} of {len(scan.points)} points {what}.", tone, failures)

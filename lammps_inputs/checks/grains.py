@@ -16,6 +16,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.bed_state import bed_state
 from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
+from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
@@ -200,7 +201,7 @@ def _check_enclosure(case: Case, grains: Grains, errors: ErrorList) -> None:
             continue
         grain = grains.called(int(beyond[0]) + 1)
         found = (
-            f"{len(beyond)} grains beyond the walls along {letter}, such as grain {grain} at "
+            f"{counted(len(beyond), 'grain')} beyond the walls along {letter}, such as grain {grain} at "
             f"{letter} = {along[beyond[0]]:.6g} m (the grains are at {along.min():.6g} to "
             f"{along.max():.6g} m)"
         )

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.files import read_number
 from granwave.lammps_inputs.message_words import show
 from granwave.lammps_inputs.tables.digits import half_units, sample_of
@@ -260,7 +261,7 @@ def _checked_rows(layout: Layout, start: int, names: Sequence[str]) -> Sequence[
             line = layout.numbers[start + k]
             hint = _hint_at_cells(layout, start + k, n_cells, expected)
             raise ValueError(
-                f"line {line}: found {n_cells} values, expected {expected}: "
+                f"line {line}: found {counted(n_cells, 'value')}, expected {expected}: "
                 f"{', '.join(names)}{hint}"
             )
     return rows

@@ -22,6 +22,7 @@ from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.summary import check_value_names
 from granwave.lammps_inputs.checks.warnings import case_warnings
+from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.deck.commands import PARTS
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
@@ -407,9 +408,9 @@ class _Run:
                     self.comm, lambda: checks.check_equilibrium(self.assembly, self.directory)
                 )
                 if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
+                    yielded = counted(round(found["yielded"]), "contact")
                     self._log(
-                        f"{found['yielded']:.0f} contacts yielded, or their indentations grew, "
-                        "under the precompression"
+                        f"{yielded} yielded, or grew in indentation, under the precompression"
                     )
                 look_at_strikers(engine, self.assembly, self.comm)
                 if checks.rolls_on(found):

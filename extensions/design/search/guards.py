@@ -31,6 +31,7 @@ from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.bounds import SIDES
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, regular
 from granwave.lammps_inputs.interrupts import Interrupts
@@ -305,7 +306,8 @@ def findings_without_runs(
             yield GuardOutcome("edge", variable.key, text, warning=True)
     beyond = summary.get("contacts_beyond_law")
     if beyond:
-        text = f"{beyond} contacts exceed the range of the contact law"
+        verb = "exceeds" if beyond == 1 else "exceed"
+        text = f"{counted(beyond, 'contact')} {verb} the range of the contact law"
         yield GuardOutcome("law", "overlaps", text, warning=True)
     yield from _kinetic_energy_at_end(problem, best, summary)
     series = target_force(place)
