@@ -61,9 +61,8 @@ def read_rows(
     for n, row in enumerate(rows):
         words = row.split()
         if len(words) != len(columns):
-            faults = [
-                f"found {counted(len(words), 'value')}, expected {len(columns)} ({' '.join(columns)})"
-            ]
+            found = counted(len(words), "value")
+            faults = [f"found {found}, expected {len(columns)} ({' '.join(columns)})"]
         else:
             faults = list(filter(None, map(_fault, words, columns)))
         if faults:

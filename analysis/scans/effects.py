@@ -22,7 +22,7 @@ _PAIR = 2
 
 
 @dataclasses.dataclass(frozen=True)
-class Line:
+class LineOfMeans:
     """Means along a key at a combination of the other keys, in the order of the key.
 
     Attributes
@@ -53,12 +53,12 @@ class Line:
         return tuple(self.names[rank] for rank in ranks)
 
 
-def has_no_effect(lines: Sequence[Line]) -> bool:
+def has_no_effect(lines: Sequence[LineOfMeans]) -> bool:
     """Return True if the means do not change along any line."""
     return bool(lines) and all(line.course is Trend.CONSTANT for line in lines)
 
 
-def trend_of(lines: Sequence[Line]) -> tuple[Trend | None, str]:
+def trend_of(lines: Sequence[LineOfMeans]) -> tuple[Trend | None, str]:
     """Return the common direction of the lines along a numeric key, of which some may change within
     their intervals, and a clause on these; None without a common direction.
     """
@@ -76,7 +76,7 @@ def trend_of(lines: Sequence[Line]) -> tuple[Trend | None, str]:
     )
 
 
-def mixed_in_words(key: VariedKey, lines: Sequence[Line]) -> str:
+def mixed_in_words(key: VariedKey, lines: Sequence[LineOfMeans]) -> str:
     """Return a clause on a numeric key along which the means rise and fall beyond their intervals;
     empty if they do not.
     """
@@ -88,7 +88,9 @@ def mixed_in_words(key: VariedKey, lines: Sequence[Line]) -> str:
     return f"has no common trend with {key.words}"
 
 
-def order_in_words(key: VariedKey, lines: Sequence[Line], others: Sequence[VariedKey]) -> str:
+def order_in_words(
+    key: VariedKey, lines: Sequence[LineOfMeans], others: Sequence[VariedKey]
+) -> str:
     """Return a clause on the order of the values of a key that has no numbers: ``is 1.1 to 1.3
     times as large for steel as for brass at all 3 values of impact velocity``; empty without a
     clear order, and for a single pair, whose range shows its order.
@@ -119,7 +121,7 @@ def order_in_words(key: VariedKey, lines: Sequence[Line], others: Sequence[Varie
     return f"is {_ratios(alike)} for {high} {_than(alike)} for {low}{place}"
 
 
-def _ratios(lines: Sequence[Line]) -> str:
+def _ratios(lines: Sequence[LineOfMeans]) -> str:
     """Return the range of the larger mean divided by the smaller one in words; ``larger`` if the
     means are not positive.
     """
@@ -130,7 +132,7 @@ def _ratios(lines: Sequence[Line]) -> str:
     return f"{least} times as large" if least == most else f"{least} to {most} times as large"
 
 
-def _than(lines: Sequence[Line]) -> str:
+def _than(lines: Sequence[LineOfMeans]) -> str:
     """Return the word of the comparison that `_ratios` begins."""
     return "than" if any(min(line.means) <= 0 for line in lines) else "as"
 
@@ -160,10 +162,10 @@ def _named(keys: Sequence[VariedKey]) -> str:
 
 def line_of(
     key: VariedKey, rows: Sequence[int], means: Sequence[float], half_widths: Sequence[float]
-) -> Line:
+) -> LineOfMeans:
     """Make the line of these rows of a key, with their means."""
     names = tuple(key.tick(row) for row in rows)
-    return Line(names, tuple(means), tuple(half_widths))
+    return LineOfMeans(names, tuple(means), tuple(half_widths))
 
 
 def along(key: VariedKey, others: Sequence[VariedKey], n_rows: int) -> list[list[int]]:

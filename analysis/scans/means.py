@@ -32,7 +32,7 @@ from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, is_collision, mark_of
 from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.effects import (
-    Line,
+    LineOfMeans,
     along,
     has_no_effect,
     line_of,
@@ -356,7 +356,7 @@ class Means:
             return []
         return [key for key in self.keys if has_no_effect(self._lines(main, key))]
 
-    def _lines(self, main: str, key: VariedKey) -> list[Line]:
+    def _lines(self, main: str, key: VariedKey) -> list[LineOfMeans]:
         """Return the lines of known means of a quantity along a key, of two points or more."""
         is_varied = is_of_packing(key.name)
         lines = []

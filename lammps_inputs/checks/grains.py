@@ -201,9 +201,9 @@ def _check_enclosure(case: Case, grains: Grains, errors: ErrorList) -> None:
             continue
         grain = grains.called(int(beyond[0]) + 1)
         found = (
-            f"{counted(len(beyond), 'grain')} beyond the walls along {letter}, such as grain {grain} at "
-            f"{letter} = {along[beyond[0]]:.6g} m (the grains are at {along.min():.6g} to "
-            f"{along.max():.6g} m)"
+            f"{counted(len(beyond), 'grain')} beyond the walls along {letter}, such as grain "
+            f"{grain} at {letter} = {along[beyond[0]]:.6g} m (the grains are at "
+            f"{along.min():.6g} to {along.max():.6g} m)"
         )
         remedy = (
             "move the walls, or correct packing.units; packing.up rotates all axes of the file "

@@ -71,8 +71,8 @@ def run(options: argparse.Namespace) -> int:
         warn_of_force(summary, directory, assembly)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
-                f"{counted(beyond, 'contact')} exceeded an overlap of 0.2 R*, the limit of the contact law; "
-                f"figures mark {'them' if beyond > 1 else 'it'} with a ring"
+                f"{counted(beyond, 'contact')} exceeded an overlap of 0.2 R*, the limit of the "
+                f"contact law; figures mark {'them' if beyond > 1 else 'it'} with a ring"
             )
         if outcome.state == record.INTERRUPTED:
             print(
