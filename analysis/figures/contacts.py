@@ -39,7 +39,7 @@ from granwave.analysis.measures.contact_forces import (
 )
 from granwave.analysis.measures.geometry import SpheresOnPlane, own_plane, section
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.counting import counted
+from granwave.lammps_inputs.message_words import counted
 
 _MILLI = 1e3  # millimetres in a metre
 _KILO = 1e-3  # kilonewtons in a newton

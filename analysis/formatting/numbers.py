@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TypeGuard
 
 from granwave.analysis.statistics import Estimate
-from granwave.lammps_inputs.counting import counted as counted
+from granwave.lammps_inputs.message_words import counted as counted
 
 # powers of ten outside of which a mean has an exponent
 _FEW = -4

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from granwave._number_reader import read_numbers
 from granwave.analysis.errors import OutputFormatError
-from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.files import read_number, read_whole
+from granwave.lammps_inputs.message_words import counted
 
 AGAIN = "run the case again with force=True"
 DAMAGED = f"the file is damaged, {AGAIN}"

@@ -15,8 +15,8 @@ from granwave.lammps_inputs.case.contact.tables import MARSHALL, PRONY
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_parameters, viscous_loss
-from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.errors import Mismatch
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import vacant_sites
 from granwave.lammps_inputs.packing.places import Places, layout_of

@@ -24,7 +24,7 @@ from granwave.lammps_inputs.case.packing.contact_ways import KEEP, KEY
 from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.case.packing.values import Enclosure
 from granwave.lammps_inputs.checks.products import missing_products
-from granwave.lammps_inputs.counting import counted
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.box_walls import BoxWall, box_walls
 from granwave.lammps_inputs.packing.motion import own_spins

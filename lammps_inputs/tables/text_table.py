@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.files import read_number
-from granwave.lammps_inputs.message_words import show
+from granwave.lammps_inputs.message_words import counted, show
 from granwave.lammps_inputs.tables.digits import half_units, sample_of
 from granwave.lammps_inputs.tables.layout import (
     BLANKS,

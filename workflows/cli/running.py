@@ -15,9 +15,9 @@ from typing import Any
 from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
-from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.deck.deck import read_deck, write_deck
 from granwave.lammps_inputs.directories import check_disk, label_of, results_directory
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.cost import analysing_ranks, expected_deck
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan

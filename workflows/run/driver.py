@@ -22,7 +22,6 @@ from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.summary import check_value_names
 from granwave.lammps_inputs.checks.warnings import case_warnings
-from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.deck.commands import PARTS
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
@@ -34,6 +33,7 @@ from granwave.lammps_inputs.directories import (
     results_directory,
 )
 from granwave.lammps_inputs.errors import GranwaveError, RunError
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly, of_case
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.bar_echoes import echo_warnings

@@ -31,11 +31,11 @@ from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.bounds import SIDES
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.counting import counted
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, regular
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.lattices import kind_of
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import POINTS, RESULT_FILE

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.counting import counted
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.touching import rounding_of

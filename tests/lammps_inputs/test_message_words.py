@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from granwave.lammps_inputs.counting import counted
+from granwave.lammps_inputs.message_words import counted
 from granwave.workflows.cli.tables.grain_file_values import grain_file_rows
 
 
