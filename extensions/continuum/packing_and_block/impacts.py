@@ -338,8 +338,7 @@ def _why_apart(reference: DataFrame, run: pd.Series) -> str:
     if run.packing != first.packing:
         reasons.append(run.packing)
     elif run["shape"] != first["shape"]:
-        keys = differing_conditions(first.run.case, run.run.case)
-        reasons.append(f"another {' and '.join(keys)}")
+        reasons.append("another boundary, static load or direction of the impact")
     if run.substance != first.substance:
         reasons.append(differences(first, run))
     if run.struck_spheres != 1:
@@ -353,31 +352,11 @@ def _why_apart(reference: DataFrame, run: pd.Series) -> str:
     return f"same impact as {nearest.label}"
 
 
-def differing_conditions(first: Case, other: Case) -> list[str]:
-    """Return the keys of the boundary, the static load and the direction of the impact by which two
-    cases differ.
-    """
-    conditions = _conditions(first)
-    return [key for key, value in _conditions(other).items() if value != conditions[key]]
-
-
-def _conditions(case: Case) -> dict[str, Any]:
-    """Return the conditions that distinguish impacts of equal velocity on equal packings, by
-    key.
-    """
-    conditions = {f"boundary.{name}": value for name, value in case.boundary.keys().items()}
-    return conditions | _load_of(case)
-
-
-def _load_of(case: Case) -> dict[str, str]:
-    """Return what distinguishes loads of equal velocity, by key: static load, angle and spin."""
+def _load_of(case: Case) -> tuple[str, ...]:
+    """Return what distinguishes loads of equal velocity: static load, angle and spin."""
     load = case.load
-    values = {
-        "precompression": case.precompression,
-        "load.angle": getattr(load, "angle", 0.0),
-        "load.spin": getattr(load, "spin", None),
-    }
-    return {key: repr(value) for key, value in values.items()}
+    values = (case.precompression, getattr(load, "angle", 0.0), getattr(load, "spin", None))
+    return tuple(map(repr, values))
 
 
 def _granular(run: FinishedRun) -> dict[str, Any]:
@@ -398,8 +377,8 @@ def _granular(run: FinishedRun) -> dict[str, Any]:
         "n_spheres": run.assembly.lattice.n_spheres,
         "packing": f"{packing.kind} {' × '.join(map(str, packing.size))}",
         "substance": (*constants.values(), packing.diameter, case.contact),
-        "shape": (packing.kind, packing.size, boundary, *_load_of(case).values()),
-        "held": (packing.kind, boundary, *_load_of(case).values()),
+        "shape": (packing.kind, packing.size, boundary, *_load_of(case)),
+        "held": (packing.kind, boundary, *_load_of(case)),
     }  # fmt: skip
 
 

@@ -9,7 +9,6 @@ import json
 import math
 import shutil
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,7 +28,6 @@ from granwave.extensions.continuum.packing_and_block.impacts import Impacts, col
 from granwave.extensions.continuum.packing_and_block.study import select
 from granwave.extensions.continuum.runs import ContinuumRun, read_elements
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import RUN
 from granwave.workflows import library, load_case, load_scan, run_case
@@ -320,35 +318,6 @@ def test_omitted_runs_have_their_own_reasons() -> None:
     text = groups.omitted_in_words(impacts, impacts.granular[1:], "slow")
     assert text == "a (slow)"
     assert not groups.omitted_in_words(impacts, impacts.granular)
-
-
-def case_with(**tables):
-    """A small case with other tables."""
-    base = {"name": "x", "material": "brass", "load": {"velocity": 5.0}}
-    packing = {"kind": "fcc", "size": [4, 4, 4], "diameter": 0.01}
-    return case_from_dict(base | {"packing": packing} | tables)
-
-
-def test_omitted_runs_name_the_keys_of_their_conditions() -> None:
-    """Runs that differ in a key of the boundary, even without an effect, are omitted for it."""
-    cases = [
-        case_with(),
-        case_with(boundary={"forget_gap": 0.3}),
-        case_with(boundary={"forget_gap": 1.0}),
-        case_with(boundary={"bottom": {"material": "steel"}}, load={"velocity": 5.0, "angle": 20}),
-    ]
-    runs = made_up(
-        label=["a", "b", "c", "d"],
-        packing=["fcc 4"] * 4,
-        shape=[0, 1, 2, 3],
-        velocity_normalised=[1.0] * 4,
-        energy_J=[1.0] * 4,
-        run=[SimpleNamespace(case=case) for case in cases],
-    )
-    impacts = Impacts(runs, made_up(label=[]))
-    assert groups.omitted_in_words(impacts, impacts.reference) == (
-        "b, c (another boundary.forget_gap); d (another boundary.bottom and load.angle)"
-    )
 
 
 def test_rows_without_a_run_have_a_reason() -> None:
