@@ -33,3 +33,8 @@ def did_you_mean(word: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
     """Return a hint at the most similar known word; empty if none is similar."""
     near = difflib.get_close_matches(str(word).lower(), list(known), n=1, cutoff=cutoff)
     return f"; did you mean {near[0]}?" if near else ""
+
+
+def counted(n: int, noun: str) -> str:
+    """Return a number with its noun: ``1 run``, ``2 runs``."""
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"

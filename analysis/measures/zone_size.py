@@ -44,7 +44,7 @@ of a sphere's contacts may begin to touch.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from enum import IntEnum
+from enum import IntFlag
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -391,16 +391,16 @@ def _front(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
     return peaks[:, by_time[rises]]
 
 
-class Mark(IntEnum):
+class Mark(IntFlag):
     """Influence of the finite packing or block on its plastic zone, or of the end of the run or of
-    contacts beyond the range of the law on any value.
+    contacts beyond the range of the law on any value. A value may have several marks.
     """
 
     NONE = 0
     WAVE = 1  # a reflected wave contributed to more than `NOTED_SHARE` of the dissipation
     CUT = 2  # the zone reaches a boundary
-    LAW = 3  # contacts beyond the range of the law determine the value
-    END = 4  # the end of the run limits the value
+    LAW = 4  # contacts beyond the range of the law determine the value
+    END = 8  # the end of the run limits the value
 
 
 #: Text of a mark, next to a marker in a figure or a table.
@@ -419,16 +419,25 @@ def is_collision(summary: Mapping[str, Any]) -> bool:
     return summary.get("n_spheres") in COLLISION
 
 
-def mark_of(summary: Mapping[str, Any]) -> Mark:
-    """Return the mark of a run; `Mark.NONE` if its summary has no plastic zone, or for a collision
-    of two spheres.
+def zone_marks(summary: Mapping[str, Any]) -> Mark:
+    """Return all marks of the plastic zone of a run; `Mark.NONE` if its summary has no plastic
+    zone, or for a collision of two spheres.
     """
+    marks = Mark.NONE
     if is_collision(summary):
-        return Mark.NONE
+        return marks
     if summary.get("zone_cut"):
-        return Mark.CUT
+        marks |= Mark.CUT
     share = summary.get("wave_return_share")
-    return Mark.WAVE if isinstance(share, int | float) and share > NOTED_SHARE else Mark.NONE
+    if isinstance(share, int | float) and share > NOTED_SHARE:
+        marks |= Mark.WAVE
+    return marks
+
+
+def mark_of(summary: Mapping[str, Any]) -> Mark:
+    """Return the most severe mark of the plastic zone of a run: `Mark.CUT` before `Mark.WAVE`."""
+    marks = zone_marks(summary)
+    return Mark.CUT if Mark.CUT in marks else marks
 
 
 def bounds_in_words(bounds: object, *, periodic: object = False) -> str:

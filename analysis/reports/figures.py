@@ -217,7 +217,7 @@ def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tupl
             for name in item.source.varied
         }
         keys = [key_of(name, column) for name, column in columns.items()]
-        labels = {one.slug: one.naming.label[:1].lower() + one.naming.label[1:] for one in keys}
+        labels = {one.slug: one.label for one in keys}
         shown = item.means.figures.get(what, "")
         if in_words and len(item.means.known_rows(shown)) > 1:
             said = f": {item.means.range_in_words(shown)}"

@@ -40,6 +40,7 @@ from granwave.analysis.measures.zone_size import (
     bounds_in_words,
     is_collision,
     mark_of,
+    zone_marks,
 )
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
@@ -335,7 +336,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         missing = sum(point.run is None for point in scan.points) - failed
         undone: list[tuple[int, str, Tone]] = [
             (failed, "failed", "bad"),
-            (missing, "are missing", "note"),
+            (missing, "is missing" if missing == 1 else "are missing", "note"),
         ]
         notes += [
             Note(f"Scan {scan.label}: {count} of {len(scan.points)} points {what}.", tone, failures)
@@ -363,7 +364,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
     waves = [
         f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)"
         for run in runs
-        if mark_of(run.summary) is Mark.WAVE
+        if Mark.WAVE in zone_marks(run.summary)
     ]
     stopped = [f"{run.label} ({run.stopped})" for run in inputs.results() if run.stopped]
     told: list[tuple[str, Sequence[str], Tone, str]] = [

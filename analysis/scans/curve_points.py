@@ -5,7 +5,7 @@ There is no table for quantities that do not change along any curve, or for too 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,30 @@ def is_one_line(rows: Sequence[int], x: VariedKey, keys: Iterable[VariedKey]) ->
     return True
 
 
+def first_of_equal_rows(
+    key: VariedKey, settings: Mapping[int, Mapping[str, Any]], values: Series, marks: Series
+) -> list[int]:
+    """Return a row for each combination of the other keys, if a key changes neither values nor
+    marks at any of them; empty if it does, or if no two points differ in this key only.
+
+    Parameters
+    ----------
+    settings
+        Values of all varied keys by row.
+    """
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for row, setting in settings.items():
+        others = tuple(value for name, value in setting.items() if name != key.name)
+        groups.setdefault(others, []).append(row)
+    if all(len(rows) < FEWEST for rows in groups.values()):
+        return []
+    for rows in groups.values():
+        is_same = is_constant(values[rows]) and marks[rows].nunique() == 1
+        if not is_same or values[rows].isna().nunique() > 1:
+            return []
+    return [rows[0] for rows in groups.values()]
+
+
 def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) -> DataFrame:
     """Return the points of curves in the form for `granwave.analysis.scans.drawing`; points at the
     same abscissa are averaged.
@@ -67,7 +91,7 @@ def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) 
     Parameters
     ----------
     x, y, marks
-        Abscissa, value and `Mark` by row of the scan; a mean has the most severe mark of its
+        Abscissa, value and marks (see `Mark`) by row of the scan; a mean has the marks of all its
         points.
     others
         Keys that distinguish curves.
@@ -78,8 +102,9 @@ def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) 
     for curve, members in enumerate(curve_rows(table.index, others).values()):
         places = table.loc[members].groupby(table.x.map(lambda value: float(f"{value:.12g}")))
         rows = []
-        for (_, values), mark in zip(places.y, places["mark"].max(), strict=True):
+        for (_, values), (_, marks_here) in zip(places.y, places["mark"], strict=True):
             mean = estimate(values.tolist())
+            mark = int(np.bitwise_or.reduce(marks_here.to_numpy()))
             rows.append((mean.mean, mean.deviation, mean.half_width, mean.n, mark))
         points = DataFrame(rows, columns=names)
         curves.append(points.assign(curve=curve, row=members[0], x=list(places.groups)))

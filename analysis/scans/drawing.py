@@ -4,8 +4,8 @@ plastic zones.
 Curves and bars are drawn from a table with a row for each point. Its columns are ``curve``, the
 number of the curve; ``row``, the row of a point of the curve in the scan; ``x``, the abscissa, or
 for bars the position of the category; ``mean``, ``deviation`` and ``half_width`` of the 95 %
-confidence interval of the mean (NaN for a single value) and the ``count`` of values; ``mark``, the
-`Mark` of a plastic zone, 0 for other quantities.
+confidence interval of the mean (NaN for a single value) and the ``count`` of values; ``mark``, all
+marks of the value (see `Mark`), 0 without a mark.
 """
 
 from __future__ import annotations
@@ -77,9 +77,9 @@ def draw_curves(
 ) -> Drawing:
     """Draw curves with markers and a legend above, or a colour scale if there are many curves.
 
-    Points of plastic zones that reach a boundary are open, half open if a wave returned from a
-    boundary. Crosses are points of values that the end of the run limits, upright crosses points of
-    values that contacts beyond the range of the law determine.
+    Points of plastic zones that reach a boundary are open, half open if only a wave returned from a
+    boundary. Values that the end of the run limits have a cross over their point, values that
+    contacts beyond the range of the law determine an upright cross.
 
     Parameters
     ----------
@@ -188,13 +188,16 @@ def draw_bars(
     y_title: str,
     others: Sequence[VariedKey],
     columns: Titles,
+    *,
+    merged: Sequence[VariedKey] = (),
 ) -> Drawing:
     """Draw bars by category, below each other, with a bar for each curve.
 
     On a logarithmic axis points are drawn instead. Bars have marks at their ends: an open circle
-    for plastic zones that reach a boundary, half open if a wave returned from a boundary, a
+    for plastic zones that reach a boundary, half open if only a wave returned from a boundary, a
     cross if the end of the run limits the value, and an upright cross for contacts beyond the range
-    of the law. A bar of zero is a tick with its number.
+    of the law. A bar of zero is a tick with its number. The legend names keys without an effect
+    (`merged`).
     """
     n_curves = points.curve.nunique()
     names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
@@ -228,9 +231,20 @@ def draw_bars(
             handles[label] = _handle(logarithmic, look, fill)
     for mark, text in marks_of(points["mark"]).items():
         handles[text] = Line2D([], [], **marked_marker(mark, "o", _END_OF_BAR, "black"))
+    handles |= _names_of_merged(merged)
     _legend(figure, handles)
     categories = np.array([ticks[int(place)] for place in points.x])
     return Drawing(figure, _columns(points, others, columns, categories))
+
+
+def _names_of_merged(keys: Sequence[VariedKey]) -> dict[str, Line2D]:
+    """Return entries of a legend without a mark that name keys without an effect."""
+    entries = {}
+    for key in keys:
+        n_values = len(set(key.values))
+        how_many = "both" if n_values == 2 else f"all {n_values}"
+        entries[f"the same at {how_many} values of {key.words}"] = Line2D([], [], linestyle="none")
+    return entries
 
 
 def _name_zeros(axes: Axes, places: Iterable[float], colour: Any) -> None:
@@ -302,9 +316,17 @@ def even_in_log(values: NDArray[np.float64]) -> bool:
 
 
 def marks_of(marks: Iterable[int]) -> dict[Mark, str]:
-    """Return the marks that occur, with their labels."""
-    present = set(marks)
-    return {mark: label for mark, label in LABELS.items() if mark in present}
+    """Return the marks that are drawn for points with these marks, with their labels."""
+    points = list(marks)
+    return {mark: label for mark, label in LABELS.items() if any(_drawn(points, mark))}
+
+
+def _drawn(marks: Iterable[int], mark: Mark) -> list[bool]:
+    """Return True for each point at which a mark is drawn: not a half-open marker where the point
+    is open.
+    """
+    hiding = Mark.CUT if mark is Mark.WAVE else Mark.NONE
+    return [bool(of_point & mark) and not of_point & hiding for of_point in marks]
 
 
 def draw_marks(
@@ -312,7 +334,7 @@ def draw_marks(
 ) -> None:
     """Draw the marked points over existing ones."""
     for mark in LABELS:
-        chosen = np.asarray(marks) == mark
+        chosen = np.array(_drawn(np.asarray(marks).tolist(), mark), dtype=bool)
         if chosen.any():
             look = marked_marker(mark, marker, size, colour)
             axes.plot(np.asarray(x)[chosen], np.asarray(y)[chosen], zorder=3, **look)
@@ -400,8 +422,10 @@ def _columns(
     if (points["count"] > 1).any():
         names = {"standard_deviation": "deviation", "confidence_95": "half_width", "n": "count"}
         table |= {name: points[column].to_numpy() for name, column in names.items()}
-    for mark, label in marks_of(points["mark"]).items():
-        table[label.replace(" ", "_")] = (points["mark"] == mark).astype(int).to_numpy()
+    for mark, label in LABELS.items():
+        has_mark = (points["mark"] & int(mark)) > 0
+        if has_mark.any():
+            table[label.replace(" ", "_")] = has_mark.astype(int).to_numpy()
     return table
 
 

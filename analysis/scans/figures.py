@@ -19,13 +19,14 @@ from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, att
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.incomplete_values import incomplete_in
 from granwave.analysis.measures.law_range import is_beyond_law
-from granwave.analysis.measures.zone_size import Mark, mark_of
+from granwave.analysis.measures.zone_size import Mark, zone_marks
 from granwave.analysis.quantities import quantity
 from granwave.analysis.scans.abscissae import FEWEST, FEWEST_LEVELS, choices_of_axes, keys_of_curves
 from granwave.analysis.scans.curve_points import (
     NOTHING,
     categories_of,
     curve_rows,
+    first_of_equal_rows,
     is_one_line,
     points_of,
     table_of_bars,
@@ -146,7 +147,7 @@ class _Data:
     free
         Names of the independent keys.
     marks
-        `Mark` of the plastic zone, by row.
+        Marks of the plastic zone, by row; see `Mark`.
     ordinates
         Quantities with their values by row; quantities that are 0 at all points are omitted.
     """
@@ -168,7 +169,7 @@ class _Data:
             return None
         units = result.units
         keys = {name: key_of(name, column, units.get(name, "")) for name, column in labels.items()}
-        marks = Series({row: int(mark_of(point.summary)) for row, point in points.items()})
+        marks = Series({row: int(zone_marks(point.summary)) for row, point in points.items()})
         shown = []
         for ordinate in ordinates(result.varied, list(points.values())):
             values = _values(ordinate.value, points)
@@ -196,20 +197,46 @@ class _Data:
         x = self.keys[name]
         others = [self.keys[other] for other in self.free if other != name]
         figures: Drawers = {}
-        for ordinate, values in self.ordinates:
-            table = table_of_bars(x, others, values, self._marks_of(ordinate.key, ordinate.zone))
+        for ordinate, all_values in self.ordinates:
+            marks = self._marks_of(ordinate.key, ordinate.zone)
+            values, merged = self._merged(others, all_values, marks)
+            kept = [key for key in others if key not in merged]
+            table = table_of_bars(x, kept, values, marks[values.index])
             if table is not None:
-                figures[f"{ordinate.name}_vs_{x.slug}"] = partial(_bars, x, others, ordinate, table)
+                figures[f"{ordinate.name}_vs_{x.slug}"] = partial(
+                    _bars, x, kept, ordinate, table, merged
+                )
         return figures
 
-    def _marks_of(self, key: str, is_of_zone: bool) -> Series:
-        """Return the marks of a quantity by row: its end, the range of the law, or the boundaries
-        of a plastic zone.
+    def _merged(
+        self, others: Sequence[VariedKey], values: Series, marks: Series
+    ) -> tuple[Series, list[VariedKey]]:
+        """Return the values to draw, and the keys that do not change them, of whose values only the
+        first is drawn.
         """
-        beyond = {row: is_beyond_law(key, point.summary) for row, point in self.points.items()}
-        ends = {row: key in incomplete_in(point.summary) for row, point in self.points.items()}
-        marks = (self.marks * is_of_zone).mask(Series(beyond, dtype=bool), int(Mark.LAW))
-        return marks.mask(Series(ends, dtype=bool), int(Mark.END))
+        merged: list[VariedKey] = []
+        for key in others:
+            settings = {row: dict(self.points[row].labels) for row in values.index}
+            for row in settings:
+                for done in merged:
+                    del settings[row][done.name]
+            if rows := first_of_equal_rows(key, settings, values, marks):
+                values = values[rows]
+                merged.append(key)
+        return values, merged
+
+    def _marks_of(self, key: str, is_of_zone: bool) -> Series:
+        """Return all marks of a quantity by row: the end of the run, the range of the law, and the
+        boundaries of a plastic zone.
+        """
+        marks = {}
+        for row, point in self.points.items():
+            marks[row] = int(self.marks[row]) if is_of_zone else int(Mark.NONE)
+            if is_beyond_law(key, point.summary):
+                marks[row] |= Mark.LAW
+            if key in incomplete_in(point.summary):
+                marks[row] |= Mark.END
+        return Series(marks, dtype=int)
 
     def collapses(self) -> Drawers:
         """Return functions that draw dissipation and plastic volume on normalised axes."""
@@ -277,11 +304,16 @@ def _curves(
 
 
 def _bars(
-    x: VariedKey, others: Sequence[VariedKey], quantity: Ordinate, table: DataFrame
+    x: VariedKey,
+    others: Sequence[VariedKey],
+    quantity: Ordinate,
+    table: DataFrame,
+    merged: Sequence[VariedKey],
 ) -> Drawing:
     """Draw bars of a table of `table_of_bars`."""
     ticks = [x.tick(x.values.index(category)) for category in categories_of(x)]
-    return draw_bars(table, ticks, x.title, quantity.title, others, (x.column, quantity.column))
+    columns = (x.column, quantity.column)
+    return draw_bars(table, ticks, x.title, quantity.title, others, columns, merged=merged)
 
 
 def _map(x: VariedKey, y: VariedKey, quantity: Ordinate, values: Series) -> Drawing | None:

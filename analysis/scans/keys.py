@@ -63,6 +63,7 @@ _ENTRIES: Mapping[tuple[str, str], Naming] = {  # keys of entries of lists
     ("striker", "velocity"): Naming("Velocity of the striker", r"$v_0$", "m/s"),
     ("replace", "index"): Naming("Position of replaced spheres"),
 }
+_OF_PERSONS = ("Young", "Poisson")  # beginnings of labels with a capital within a sentence
 _AMPLITUDE = Naming("Amplitude of the load", r"$A$")
 _OF_MOTION = (("mm", 1e-3), ("µm", 1e-6), ("nm", 1e-9))  # units of amplitudes, from the largest on
 _SIZES = ("Spheres along x", "Rows along y", "Layers")
@@ -100,6 +101,17 @@ class VariedKey:
     def numeric(self) -> bool:
         """True if all values are numbers."""
         return all(map(is_number, self.values))
+
+    @property
+    def label(self) -> str:
+        """Label within a sentence, with the diameter that divides some values."""
+        label = self.naming.label
+        return label if label.startswith(_OF_PERSONS) else f"{label[:1].lower()}{label[1:]}"
+
+    @property
+    def words(self) -> str:
+        """Label within a sentence, without a divisor."""
+        return self.label.split(" / ")[0]
 
     @property
     def title(self) -> str:

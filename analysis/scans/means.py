@@ -31,6 +31,15 @@ from granwave.analysis.measures.law_range import (
 from granwave.analysis.measures.zone_resolution import is_unresolved
 from granwave.analysis.measures.zone_size import Mark, is_collision, mark_of
 from granwave.analysis.quantities import quantity, scan_figures
+from granwave.analysis.scans.effects import (
+    LineOfMeans,
+    along,
+    has_no_effect,
+    line_of,
+    mixed_in_words,
+    order_in_words,
+    trend_of,
+)
 from granwave.analysis.scans.keys import VariedKey, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
 from granwave.analysis.scans.table import (
@@ -41,7 +50,7 @@ from granwave.analysis.scans.table import (
     physical,
     scan_statistics,
 )
-from granwave.analysis.scans.trends import SAME, Trend, course_of, significant_steps
+from granwave.analysis.scans.trends import SAME, Trend, significant_steps
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
@@ -209,7 +218,9 @@ class Means:
         text = f"{label}: {most} at {'all' if is_whole else 'the other'} points."
         if self.varies(main):
             least = self.in_words(main, low)
-            text = f"{label}: from {least} ({self.setting(low)}) to {most} ({self.setting(high)})."
+            without = self._without_effect(main)
+            ends = [self.setting(row, without) for row in (low, high)]
+            text = f"{label}: from {least} ({ends[0]}) to {most} ({ends[1]})."
             text += self._comparison(main, low, high)
         if not is_whole:
             text += f" {self._unknown(main)}"
@@ -232,7 +243,7 @@ class Means:
         text = ""
         trends = self._trends(main)
         if trends:
-            text += f" It {', '.join(trends)}."
+            text += f" It {_in_series(trends)}."
         if self._are_within_intervals(main, low, high):
             text += " This difference is within the 95 % confidence intervals."
         if any(self.single):
@@ -309,40 +320,54 @@ class Means:
         return math.nan if is_varied and self.single[row] else 0.0
 
     def _trends(self, main: str) -> list[str]:
-        """Return the trends of a quantity with the keys: ``rises with diameter and velocity``;
-        none if the end of a run limits it, since a trend may then come from the end.
+        """Return the effects of the keys on a quantity: ``rises with diameter and velocity``, the
+        order of the values of keys without numbers, and the keys without an effect; none if the end
+        of a run limits the quantity, since a trend may then come from the end.
         """
         if self.incomplete.get(main):
             return []
+        without = self._without_effect(main)
+        effective = [key for key in self.keys if key not in without]
         keys_of_trend: dict[str, list[str]] = {}
-        for n, key in enumerate(self.keys):
-            courses = self._courses(main, n)
-            trend = _trend(courses)
+        orders = []
+        for key in effective:
+            lines = self._lines(main, key)
+            if not key.numeric:
+                others = [other for other in effective if other != key]
+                orders.append(order_in_words(key, lines, others))
+                continue
+            trend, reservation = trend_of(lines)
             if trend is not None:
-                label = f"{key.naming.label[:1].lower()}{key.naming.label[1:]}"
-                keys_of_trend.setdefault(trend, []).append(label + _reservation(courses))
-        return [
+                keys_of_trend.setdefault(trend, []).append(key.words + reservation)
+            else:
+                orders.append(mixed_in_words(key, lines))
+        trends = [
             f"{word} with {' and '.join(keys_of_trend[word])}"
             for word in (Trend.RISES, Trend.FALLS)
             if word in keys_of_trend
         ]
+        if without:
+            orders.append(f"does not depend on {' and '.join(key.words for key in without)}")
+        return [*trends, *filter(None, orders)]
 
-    def _courses(self, main: str, n: int) -> list[Trend]:
-        """Return the courses of a quantity along the n-th key at fixed other keys, without constant
-        ones.
-        """
-        key = self.keys[n]
-        if not key.numeric:
+    def _without_effect(self, main: str) -> list[VariedKey]:
+        """Return the keys that do not change a quantity at any combination of the other keys."""
+        if not self.varies(main):
             return []
+        return [key for key in self.keys if has_no_effect(self._lines(main, key))]
+
+    def _lines(self, main: str, key: VariedKey) -> list[LineOfMeans]:
+        """Return the lines of known means of a quantity along a key, of two points or more."""
         is_varied = is_of_packing(key.name)
-        courses = []
-        for line in self.lines_along(n):
+        lines = []
+        others = [other for other in self.keys if other != key]
+        for line in along(key, others, len(self.counts)):
             rows = [row for row in line if self.values[main][row] is not None]
-            values = [self.values[main][row] or 0.0 for row in rows]
+            means = [self.values[main][row] or 0.0 for row in rows]
             widths = [self._half_width(main, row, is_varied=is_varied) for row in rows]
-            if rows:
-                courses.append(course_of(values, widths))
-        return [course for course in courses if course is not Trend.CONSTANT]
+            if len(rows) > 1:
+                lines.append(line_of(key, rows, means, widths))
+        return lines
 
     def text(self, name: str, row: int) -> str:
         """Return a mean with its interval, if it has one, and with its marks."""
@@ -386,27 +411,14 @@ class Means:
             return show(mean)
         return interval_in_any_unit(mean, half, unit) if half else in_any_unit(mean, unit)
 
-    def setting(self, row: int) -> str:
-        """Return the values of the keys of a row in words."""
+    def setting(self, row: int, without: Sequence[VariedKey] = ()) -> str:
+        """Return the values of the keys of a row in words, without some keys."""
         parts = []
         for key in self.keys:
-            unit = f" {key.naming.unit}" if key.naming.unit and key.numeric else ""
-            parts.append(
-                f"{key.naming.label[:1].lower()}{key.naming.label[1:]} {key.tick(row)}{unit}"
-            )
+            if key not in without:
+                unit = f" {key.naming.unit}" if key.naming.unit and key.numeric else ""
+                parts.append(f"{key.label} {key.tick(row)}{unit}")
         return ", ".join(parts)
-
-    def lines_along(self, n: int) -> list[list[int]]:
-        """Return the rows along the n-th key, in its order: a list for each combination of the
-        other keys.
-        """
-        lines: dict[tuple[object, ...], list[int]] = {}
-        others = [key for m, key in enumerate(self.keys) if m != n]
-        values = [float(value) for value in self.keys[n].values]
-        for row in range(len(self.counts)):
-            setting = tuple(key.values[row] for key in others)
-            lines.setdefault(setting, []).append(row)
-        return [sorted(rows, key=lambda row: values[row]) for rows in lines.values()]
 
 
 def means_of(scan: ScanResult) -> Means:
@@ -543,25 +555,13 @@ def _reason(summary: Mapping[str, Any]) -> str:
     )
 
 
-def _trend(courses: Sequence[Trend]) -> Trend | None:
-    """Return the common direction of courses, of which some may change within their intervals;
-    None without one.
-    """
-    directions = set(courses) - {Trend.UNCLEAR}
-    if directions in ({Trend.RISES}, {Trend.FALLS}):
-        return directions.pop()
-    return None
-
-
-def _reservation(courses: Sequence[Trend]) -> str:
-    """Return a clause on the courses that change within their intervals; empty without these."""
-    unclear = courses.count(Trend.UNCLEAR)
-    if not unclear:
-        return ""
-    return (
-        f" (within the 95 % confidence intervals at {unclear} of {len(courses)} settings of the "
-        "other keys)"
-    )
+def _in_series(clauses: Sequence[str]) -> str:
+    """Join clauses with commas, with "and" before a last one that is no trend."""
+    *first, last = clauses
+    if not first:
+        return last
+    word = "" if last.startswith(("rises with", "falls with")) else "and "
+    return f"{', '.join(first)}, {word}{last}"
 
 
 def is_mostly_known(values: Sequence[float | None]) -> bool:

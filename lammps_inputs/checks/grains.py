@@ -17,6 +17,7 @@ from granwave.lammps_inputs.contact.bed_state import bed_state
 from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError, Mismatch
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.motion import line_ids
@@ -200,9 +201,9 @@ def _check_enclosure(case: Case, grains: Grains, errors: ErrorList) -> None:
             continue
         grain = grains.called(int(beyond[0]) + 1)
         found = (
-            f"{len(beyond)} grains beyond the walls along {letter}, such as grain {grain} at "
-            f"{letter} = {along[beyond[0]]:.6g} m (the grains are at {along.min():.6g} to "
-            f"{along.max():.6g} m)"
+            f"{counted(len(beyond), 'grain')} beyond the walls along {letter}, such as grain "
+            f"{grain} at {letter} = {along[beyond[0]]:.6g} m (the grains are at "
+            f"{along.min():.6g} to {along.max():.6g} m)"
         )
         remedy = (
             "move the walls, or correct packing.units; packing.up rotates all axes of the file "

@@ -16,6 +16,7 @@ from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_parameters, viscous_loss
 from granwave.lammps_inputs.errors import Mismatch
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import vacant_sites
 from granwave.lammps_inputs.packing.places import Places, layout_of
@@ -394,7 +395,7 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
         *((True, key, Mismatch(f"with {name}", f"a packing without it: {rest}")) for name in unlike)
     )
     if isinstance(assembly.lattice, Places) and assembly.lattice.n_contacts:
-        contacts = f"{assembly.lattice.n_contacts} contacts between its grains"
+        contacts = f"{counted(assembly.lattice.n_contacts, 'contact')} between its grains"
         found = f'with packing.kind = "file" and {contacts}'
         errors.add(key, Mismatch(found, f"grains that do not touch: {rest} on a lattice"))
     gap = boundary.forget_gap * packing.diameter

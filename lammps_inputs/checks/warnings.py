@@ -24,6 +24,7 @@ from granwave.lammps_inputs.case.packing.contact_ways import KEEP, KEY
 from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.case.packing.values import Enclosure
 from granwave.lammps_inputs.checks.products import missing_products
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.box_walls import BoxWall, box_walls
 from granwave.lammps_inputs.packing.motion import own_spins
@@ -209,9 +210,10 @@ def _of_cut_contacts(assembly: Assembly) -> Iterator[str]:
         return
     n_cut = Places(grains, lattice.diameter, grains.period).n_contacts - lattice.n_contacts
     if n_cut > 0:
+        contacts = f"{counted(n_cut, 'contact')} {'crosses' if n_cut == 1 else 'cross'}"
         yield (
-            f"packing.file: the box of the file is periodic along x and y, and {n_cut} contacts "
-            f'cross its sides; found boundary.sides = "{case.boundary.sides}", which ignores '
+            f"packing.file: the box of the file is periodic along x and y, and {contacts} "
+            f'its sides; found boundary.sides = "{case.boundary.sides}", which ignores '
             'these contacts; boundary.sides = "periodic" includes them'
         )
 

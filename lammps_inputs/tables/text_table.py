@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.files import read_number
-from granwave.lammps_inputs.message_words import show
+from granwave.lammps_inputs.message_words import counted, show
 from granwave.lammps_inputs.tables.digits import half_units, sample_of
 from granwave.lammps_inputs.tables.layout import (
     BLANKS,
@@ -260,7 +260,7 @@ def _checked_rows(layout: Layout, start: int, names: Sequence[str]) -> Sequence[
             line = layout.numbers[start + k]
             hint = _hint_at_cells(layout, start + k, n_cells, expected)
             raise ValueError(
-                f"line {line}: found {n_cells} values, expected {expected}: "
+                f"line {line}: found {counted(n_cells, 'value')}, expected {expected}: "
                 f"{', '.join(names)}{hint}"
             )
     return rows

@@ -18,7 +18,7 @@ import threading
 from collections.abc import Sequence
 
 from granwave.lammps_inputs.case.schema import printable
-from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
 from granwave.lammps_inputs.extensions import missing_package
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.lammps_inputs.interrupts import stop_signals
@@ -196,8 +196,16 @@ class _Messages(logging.Formatter):
         return f"{coloured('granwave: warning:', YELLOW, sys.stderr)} {text}"
 
 
+def _is_first() -> bool:
+    """Return True on the first rank, also if MPI cannot be started."""
+    try:
+        return not mpi.launched() or mpi.world().rank == 0
+    except RunError:
+        return mpi.is_first()
+
+
 def _report(lines: Sequence[str], status: int) -> int:
-    if not mpi.launched() or mpi.world().rank == 0:
+    if _is_first():
         for line in lines:
             print(f"{coloured('granwave:', RED, sys.stderr)} {printable(line)}", file=sys.stderr)
     return status

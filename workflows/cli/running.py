@@ -17,6 +17,7 @@ from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import read_deck, write_deck
 from granwave.lammps_inputs.directories import check_disk, label_of, results_directory
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.cost import analysing_ranks, expected_deck
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
@@ -70,8 +71,8 @@ def run(options: argparse.Namespace) -> int:
         warn_of_force(summary, directory, assembly)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
-                f"{beyond} contacts exceeded an overlap of 0.2 R*, the limit of the contact law; "
-                "figures mark them with a ring"
+                f"{counted(beyond, 'contact')} exceeded an overlap of 0.2 R*, the limit of the "
+                f"contact law; figures mark {'them' if beyond > 1 else 'it'} with a ring"
             )
         if outcome.state == record.INTERRUPTED:
             print(

@@ -135,7 +135,7 @@ def _submitted(job: CommandJob, profile: Profile, jobs: Sequence[str]) -> str:
         title = f"jobs {', '.join(jobs)}, one after the other"
     size = f"{counted(request.ranks, 'rank')} on {counted(request.nodes, 'node')}"
     return (
-        f"{queue.title}: {title}: {size}, {request.minutes} minutes, "
+        f"{queue.title}: {title}: {size}, {counted(request.minutes, 'minute')}, "
         f"{request.memory} MB on each node\n"
         f"results: {shown(job.directory)}; script and log: {shown(job.folder)}\n"
         f"cancel: {shown_cancel(queue.commands, jobs)}"

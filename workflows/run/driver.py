@@ -33,6 +33,7 @@ from granwave.lammps_inputs.directories import (
     results_directory,
 )
 from granwave.lammps_inputs.errors import GranwaveError, RunError
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly, of_case
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.bar_echoes import echo_warnings
@@ -407,9 +408,9 @@ class _Run:
                     self.comm, lambda: checks.check_equilibrium(self.assembly, self.directory)
                 )
                 if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
+                    yielded = counted(round(found["yielded"]), "contact")
                     self._log(
-                        f"{found['yielded']:.0f} contacts yielded, or their indentations grew, "
-                        "under the precompression"
+                        f"{yielded} yielded, or grew in indentation, under the precompression"
                     )
                 look_at_strikers(engine, self.assembly, self.comm)
                 if checks.rolls_on(found):

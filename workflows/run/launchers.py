@@ -25,11 +25,12 @@ _FORKED = {"HYDRA_LAUNCHER": "fork", "HYDRA_BOOTSTRAP": "fork", "HYDRA_RMK": "us
 # MPICH: a rank that waits offers its core to other processes after each poll. By default it does so
 # after a thousand polls, and two ranks next to two busy processes took 65 s for a run of 3 s
 _YIELDING = {"MPIR_CVAR_POLLS_BEFORE_YIELD": "1"}
+_NOT_STARTED = "MPI cannot be started: "
 _OF_JOBS = "SLURM_"  # prefix of the variables by which launchers recognise a job of Slurm
 _LOOK = 0.2  # s between checks of a launcher
 _PATIENCE = 5.0  # s that a launcher without ranks has to end after a request
 _SLOW = 30.0  # s without ranks until a warning
-_OTHERS_FIRST = 1.0  # s that ranks leave the first one to print the same error
+OTHERS_FIRST = 1.0  # s that ranks leave the first one to print the same error
 _LEAST_FILE_SIZE = 64 * 2**20  # bytes; shared memory of a rank
 # prefixes of variables by which users and sites change how MPI works
 _OF_LIBRARY = ("UCX_", "FI_", "MPICH_", "MPIR_CVAR_", "OMPI_MCA_", "PRTE_MCA_")
@@ -126,7 +127,7 @@ def starting(*, first: bool = True) -> Iterator[None]:
         if not at_work:
             return
         if not first:
-            time.sleep(_OTHERS_FIRST)
+            time.sleep(OTHERS_FIRST)
         if sys.stderr is not None:
             print(f"granwave: {start_fault(os.environ)}", file=sys.stderr, flush=True)
         os._exit(1)
@@ -142,10 +143,18 @@ def starting(*, first: bool = True) -> Iterator[None]:
 
 
 def start_fault(environment: Mapping[str, str]) -> str:
-    """Describe why MPI could not be started, from variables and limits that are known to stop
-    it.
+    """Describe why MPI could not be started; without a known reason, refer to its own messages."""
+    return (
+        known_fault(environment)
+        or f"{_NOT_STARTED}see the lines above; granwave doctor checks the installation"
+    )
+
+
+def known_fault(environment: Mapping[str, str]) -> str:
+    """Describe why MPI could not be started, from variables and limits that are known to stop it;
+    empty without one of these.
     """
-    what = "MPI cannot be started: "
+    what = _NOT_STARTED
     if "PMIX_RANK" in environment and "PMI_RANK" not in environment:
         return (
             f"{what}PMIX_RANK={environment['PMIX_RANK']} is set, as by srun --mpi=pmix, which "
@@ -173,7 +182,7 @@ def start_fault(environment: Mapping[str, str]) -> str:
         name = next((one for one in ("UCX_TLS", "UCX_NET_DEVICES") if one in chosen), chosen[0])
         others = f" ({len(chosen) - 1} more such variables are set)" if len(chosen) > 1 else ""
         return f"{what}{name}={environment[name]} may be the reason{others}; unset it: env -u {name} granwave ..."
-    return f"{what}see the lines above; granwave doctor checks the installation"
+    return ""
 
 
 def _is_open(descriptor: str) -> bool:

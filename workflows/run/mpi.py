@@ -27,7 +27,9 @@ from typing import IO, TYPE_CHECKING, Any, NoReturn, TypeVar
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.streams import flush
+from granwave.workflows.run import mpi_library
 from granwave.workflows.run.launchers import (
+    OTHERS_FIRST,
     STARTED_FILE,
     of_this_machine,
     starting,
@@ -136,20 +138,56 @@ def this_process() -> Intracomm:
 
 
 def _started(*, first: bool = True) -> ModuleType:
+    """Import mpi4py and start MPI, after a check of its library.
+
+    Raises
+    ------
+    RunError
+        LAMMPS cannot be loaded with the MPI library that mpi4py finds.
+    """
+    is_imported = "mpi4py.MPI" in sys.modules  # by `forks.load`, for copies of this process
+    check_library(first=first)
     with starting(first=first):
         from mpi4py import MPI
 
-        if not MPI.Is_initialized():  # imported by `forks.load`, for copies of this process
-            MPI.Init()
+        if not MPI.Is_initialized():
+            if is_imported:
+                MPI.Init()
+            else:
+                MPI.Init_thread()
             atexit.register(_finalise)
     return MPI
 
 
-def _finalise() -> None:
-    from mpi4py import MPI
+def check_library(*, first: bool = True) -> None:
+    """Check that LAMMPS can be loaded with the MPI library of this process, before MPI starts.
 
-    if not MPI.Is_finalized():
-        MPI.Finalize()
+    Parameters
+    ----------
+    first
+        False on ranks that leave the error message to the first rank.
+
+    Raises
+    ------
+    RunError
+        It cannot.
+    """
+    if mpi_library.is_in_environment():
+        return
+    fault = mpi_library.library_fault()
+    if not fault:
+        return
+    if not first:
+        time.sleep(OTHERS_FIRST)
+    remedy = mpi_library.installation_of_mpich()
+    raise RunError(f"MPI cannot be started: {fault}; install MPICH: {remedy}")
+
+
+def _finalise() -> None:
+    """End MPI, if it was started."""
+    library = sys.modules.get("mpi4py.MPI")
+    if library is not None and library.Is_initialized() and not library.Is_finalized():
+        library.Finalize()
 
 
 def nodes(comm: Intracomm) -> list[str]:
@@ -239,8 +277,8 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
         mpiexec = find_mpiexec()
         if mpiexec is None:
             raise InputError(
-                f"--np {n_ranks}: no mpiexec in {Path(sys.prefix) / 'bin'} or in PATH; pip install mpich into this "
-                "environment, or load the site's MPI"
+                f"--np {n_ranks}: no mpiexec in {Path(sys.prefix) / 'bin'} or in PATH; install "
+                f"MPICH: {mpi_library.installation_of_mpich()}; or load the site's MPI"
             )
         launcher = [mpiexec]
     return [
@@ -318,8 +356,11 @@ def launch(
     ------
     InputError
         There is no mpiexec.
+    RunError
+        LAMMPS cannot be loaded with the MPI library of this process.
     """
     words = command(n_ranks, arguments, launcher)
+    check_library()
 
     errors = bytearray()  # standard error of the ranks
 

@@ -35,6 +35,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, regular
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.lattices import kind_of
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import POINTS, RESULT_FILE
@@ -305,7 +306,8 @@ def findings_without_runs(
             yield GuardOutcome("edge", variable.key, text, warning=True)
     beyond = summary.get("contacts_beyond_law")
     if beyond:
-        text = f"{beyond} contacts exceed the range of the contact law"
+        verb = "exceeds" if beyond == 1 else "exceed"
+        text = f"{counted(beyond, 'contact')} {verb} the range of the contact law"
         yield GuardOutcome("law", "overlaps", text, warning=True)
     yield from _kinetic_energy_at_end(problem, best, summary)
     series = target_force(place)

@@ -19,6 +19,7 @@ from granwave.analysis.measures.zone_size import (
     Mark,
     bounds_in_words,
     mark_of,
+    zone_marks,
     zone_warning,
 )
 from granwave.analysis.scans.figures import drawings
@@ -289,6 +290,26 @@ def test_figures_of_zones_have_open_marks(scan):
     assert columns["zone_depth_90_over_diameter"].tolist() == pytest.approx(
         [1.8 * (1 + 0.01 * n) for n in range(4)]
     )
+
+
+def test_a_point_has_all_its_marks(tmp_path):
+    """The zone of the last point reaches a boundary, a wave returned to it, and it still grew at
+    the end: the marker is open below its cross, and the data have all three marks.
+    """
+    write_scan(tmp_path, grid(load__velocity=[1, 2, 5]))
+    unfinished = CUT | {"wave_return_share": 0.05, "incomplete_values": ["n_plastic_spheres"]}
+    for n, changes in enumerate((FREE, FREE, unfinished)):
+        path = ScanResult(tmp_path).points[n].directory / "summary.json"
+        path.write_text(json.dumps(json.loads(path.read_text()) | sizes_of(n) | changes))
+    assert zone_marks(unfinished) == Mark.CUT | Mark.WAVE and mark_of(unfinished) is Mark.CUT
+    drawing = drawings(ScanResult(tmp_path))["plastic_spheres_vs_load_velocity"]
+    marks = [line for line in drawing.figure.axes[0].lines if tuple(line.get_xdata()) == (5.0,)]
+    assert [line.get_marker() for line in marks] == ["o", "x"]
+    assert to_hex(marks[0].get_markerfacecolor()) == "#ffffff"
+    labels = [LABELS[Mark.CUT], LABELS[Mark.END]]
+    assert [text.get_text() for text in drawing.figure.legends[0].get_texts()] == labels
+    for mark in (Mark.CUT, Mark.WAVE, Mark.END):
+        assert drawing.columns[LABELS[mark].replace(" ", "_")].tolist() == [0, 0, 1]
 
 
 def test_bars_of_cut_zones_have_an_open_circle(tmp_path):

@@ -90,7 +90,7 @@ def test_table_and_figure_of_a_scan(tmp_path):
         "dissipated-fraction-vs-load-velocity" in name for name in names
     )  # shown once
     assert any(
-        "1 of 6 points are missing" in block.text
+        "1 of 6 points is missing" in block.text
         for block in report.sections[0].blocks
         if isinstance(block, Note)
     )

@@ -420,3 +420,21 @@ def test_crowded_values_of_a_key_have_round_ticks():
 
 def test_bars_of_four_curves_differ_in_grey_prints():
     assert len(set(_HATCHES)) >= 6
+
+
+def test_a_key_without_effect_has_one_bar(tmp_path):
+    """The force on the bottom depends on the material, the peak force does not."""
+    write_scan(tmp_path, grid(packing__kind=["fcc", "hcp"], material=["brass", "steel"]))
+    for number, point in enumerate(ScanResult(tmp_path).points):
+        path = point.directory / "summary.json"
+        forces = {"peak_force_N": 50.0 + number // 2, "wall_peak_force_N": 10.0 + number}
+        write_json(path, json.loads(path.read_text()) | forces)
+    drawn = drawings(ScanResult(tmp_path))
+    note = "the same at both values of material"
+    without = drawn["peak_force_vs_packing_kind"]
+    assert len(without.figure.axes[0].patches) == 2
+    assert [text.get_text() for text in without.figure.legends[0].get_texts()] == [note]
+    assert list(without.columns) == ["packing.kind", "peak_force_N"]
+    figure = drawn["bottom_peak_force_vs_packing_kind"].figure
+    assert len(figure.axes[0].patches) == 4
+    assert note not in [text.get_text() for text in figure.legends[0].get_texts()]

@@ -265,3 +265,62 @@ def test_nothing_yields_with_hertzian_contacts(tmp_path):
     means = means_with(tmp_path, points, values_of)
     assert means.range_in_words("zone_volume_90_m3").endswith("no plastic zone at 2 of 4 points")
     assert "There is no plastic zone at 2 of 4 points" in means.sentence("zone_volume_90_m3")
+
+
+def sentence_of(directory, points, force_of):
+    """Return the sentence on a force that follows from the labels."""
+    return means_with(directory, points, lambda labels: {FORCE: force_of(labels)}).sentence(FORCE)
+
+
+def test_a_key_without_numbers_has_its_order(tmp_path):
+    """The force of steel is larger by a factor that falls with the velocity; with a third material
+    the order is named.
+    """
+    factors = {"brass": 1.0, "steel": 1.25, "aluminium": 0.5}
+
+    def force_of(labels):
+        velocity = labels["load.velocity"]
+        return 10 * velocity * (1 + (factors[labels["material"]] - 1) / velocity)
+
+    points = grid(load__velocity=[1, 2.5], material=["steel", "brass"])
+    assert sentence_of(tmp_path / "pair", points, force_of).endswith(
+        " It rises with impact velocity, and is 1.1 to 1.25 times as large for steel as for brass "
+        "at both values of impact velocity."
+    )
+    points = grid(load__velocity=[1, 2.5], material=["steel", "brass", "aluminium"])
+    assert sentence_of(tmp_path / "three", points, force_of).endswith(
+        ", and rises in the order aluminium, brass, steel at both values of impact velocity."
+    )
+
+
+def test_an_order_that_changes_states_where_it_holds(tmp_path):
+    def force_of(labels):
+        sign = 1 if labels["load.velocity"] < 4 else -1
+        larger = 0.1 * sign if labels["material"] == "steel" else 0.0
+        return labels["load.velocity"] + larger
+
+    points = grid(load__velocity=[1, 2, 4], material=["brass", "steel"])
+    sentence = sentence_of(tmp_path, points, force_of)
+    assert "is 1.05 to 1.1 times as large for steel as for brass at 2 of 3 values" in sentence
+    points = grid(load__velocity=[2, 4], material=["brass", "steel"])
+    sentence = sentence_of(tmp_path / "half", points, force_of)
+    assert "varies with material in an order that depends on impact velocity." in sentence
+
+
+def test_a_key_without_effect_is_named(tmp_path):
+    """It is not in the settings of the ends either; the lattices differ as their range shows."""
+    forces = {"fcc": 90.0, "hcp": 80.0}
+    points = grid(packing__kind=["fcc", "hcp"], boundary__forget_gap=[0.1, 0.3, 1.0])
+    assert sentence_of(tmp_path, points, lambda labels: forces[labels["packing.kind"]]) == (
+        "Peak force on the bottom: from 80 N (packing hcp) to 90 N (packing fcc). It does not "
+        "depend on forgetting gap."
+    )
+
+
+def test_a_course_that_turns_is_no_trend(tmp_path):
+    def force_of(labels):
+        return 10 - (labels["load.velocity"] - 2) ** 2 * labels["contact.friction"]
+
+    points = grid(load__velocity=[1, 2, 4], contact__friction=[0.1, 0.2])
+    sentence = sentence_of(tmp_path, points, force_of)
+    assert "rises and falls with impact velocity" in sentence

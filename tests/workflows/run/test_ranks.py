@@ -148,7 +148,7 @@ def test_mpiexec_of_the_environment_or_of_the_path(tmp_path, monkeypatch):
     own.unlink()
     assert mpi.command(2, ["run", "fcc-small"])[:3] == [str(site), "-n", "2"]
     site.unlink()
-    with pytest.raises(InputError, match=r"no mpiexec in .*env/bin or in PATH; pip install mpich"):
+    with pytest.raises(InputError, match=r"no mpiexec in .*env/bin or in PATH; install MPICH"):
         mpi.command(2, ["run", "fcc-small"])
 
 

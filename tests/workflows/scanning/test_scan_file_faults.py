@@ -127,6 +127,25 @@ def test_the_force_on_the_bottom_is_in_the_table_of_means(tmp_path):
     assert "\nPeak force on the bottom: from " in text
 
 
+def test_values_that_the_end_limits_are_listed(tmp_path):
+    """All of them, and both marks of a zone that reaches a boundary after a returned wave."""
+    scan = write_scan(tmp_path / "scan", grid(load__velocity=[1, 2, 4]))
+    point = ScanResult(scan).points[2]
+    path = point.directory / "summary.json"
+    more = {
+        "incomplete_values": ["n_plastic_spheres", "wall_impulse_Ns"],
+        "zone_cut": ["sides"], "wave_return_share": 0.1,
+    }  # fmt: skip
+    path.write_text(json.dumps(json.loads(path.read_text()) | more))
+    text = outcome_text(ScanOutcome(scan, done=3, failed=0, missing=0, stopped=None))
+    assert (
+        "\nvalues that still change at the end of the run, in 1 of 3 points, as marked in figures: "
+        "yielded spheres, impulse on the bottom; increase run.end_time\n" in text
+    )
+    assert "zone reaches a boundary in 1 of 3 points" in text
+    assert "reflected wave came back in 1 of 3 points" in text
+
+
 def test_without_replicates_there_is_the_sentence_alone(tmp_path):
     text = end_of(tmp_path, grid(load__velocity=[1, 2, 4]), lambda p: 0.1 * p["load.velocity"])
     assert "means of" not in text

@@ -38,9 +38,10 @@ from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.launchers import (
     environment_settings,
     kill_session,
+    known_fault,
     of_this_machine,
-    start_fault,
 )
+from granwave.workflows.run.mpi_library import installation_of_mpich
 from granwave.workflows.run.record import versions
 
 _DECK = """\
@@ -68,6 +69,12 @@ if not known:
     raise SystemExit("LAMMPS has not loaded the plugin")
 """
 
+
+_LIBRARY_CHECK = """\
+import sys
+from granwave.workflows.run.mpi_library import library_fault
+sys.exit(library_fault() or 0)
+"""
 
 _NOT_STARTED = "MPI_Init"  # in the messages of MPI libraries that cannot start
 _LONGEST = 60.0  # time limit of a check, s
@@ -159,14 +166,13 @@ def examine(profile: Path | None = None) -> list[Finding]:
     missing = {name for name, version in found.items() if version == "not installed"} - {
         "mpich"
     }  # or another MPI
-    script = (
-        "from granwave.workflows.run.lammps_engine import open_engine\n"
-        "from granwave.workflows.run.mpi import world\n"
-        f"with open_engine(world(), log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
-    )
     to_switch_on = "; ".join(
         f"{line} in {file}" for line, file in SWITCH_ON.values()
     )  # only the shell knows if it is
+    library = _mpi_library()
+    of_mpi = [library]
+    if library.works:
+        of_mpi += [_lammps_module(), _python_module(), _command(), _ranks()]
     return [
         Finding("versions", not missing, listed,
                 "reinstall granwave with pip in a virtual environment"),
@@ -175,15 +181,37 @@ def examine(profile: Path | None = None) -> list[Finding]:
                 "require g++"),
         Finding("LAMMPS release", wrong is None, wrong or "the release for which the plugin was "
             "built", wrong or ""),
-        _attempt("lammps module", [*mpi.PYTHON, "-c", script], "loads the plugin and runs",
-                 "use a virtual environment: only there mpi4py finds the libmpi of the "
-                 "environment"),
-        _python_module(),
-        _command(),
-        _ranks(),
+        *of_mpi,
         Finding("tab completion", True, f"to enable it: {to_switch_on}"),
         *([] if profile is None else _cluster(profile)),
     ]  # fmt: skip
+
+
+def _mpi_library() -> Finding:
+    """Check the MPI library of LAMMPS, without which no part that starts MPI can work."""
+    finding = _attempt(
+        "MPI library",
+        [*mpi.PYTHON, "-c", _LIBRARY_CHECK],
+        "LAMMPS can be loaded with it",
+        f"install MPICH: {installation_of_mpich()}",
+    )
+    if finding.works:
+        return finding
+    return dataclasses.replace(finding, found=f"{finding.found}. Parts that use MPI: not checked")
+
+
+def _lammps_module() -> Finding:
+    script = (
+        "from granwave.workflows.run.lammps_engine import open_engine\n"
+        "from granwave.workflows.run.mpi import world\n"
+        f"with open_engine(world(), log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
+    )
+    return _attempt(
+        "lammps module",
+        [*mpi.PYTHON, "-c", script],
+        "loads the plugin and runs",
+        "use a virtual environment: only there mpi4py finds the libmpi of the environment",
+    )
 
 
 def _python_module() -> Finding:
@@ -218,7 +246,7 @@ def _ranks() -> Finding:
             "MPI ranks",
             False,
             missing,
-            "pip install mpich into this environment, or load the site's MPI",
+            f"install MPICH: {installation_of_mpich()}; or load the site's MPI",
         )
     script = (
         "import sys; from granwave.workflows.run.mpi import world; n = world().size; "
@@ -297,14 +325,12 @@ def _attempt(part: str, command: list[str], success: str, remedy: str) -> Findin
             return Finding(part, True, success)
         output.seek(0)
         lines = output.read().decode("utf-8", "replace").splitlines()
+    fault = _fault_in(lines) or f"exit status {status}"
     if any(_NOT_STARTED in line for line in lines):
-        return Finding(
-            part,
-            False,
-            start_fault(mpi.alone()),
-            "fix the start of MPI, as the line above explains",
-        )
-    return Finding(part, False, _fault_in(lines) or f"exit status {status}", remedy)
+        if known := known_fault(mpi.alone()):
+            return Finding(part, False, known, "fix the start of MPI, as the line above explains")
+        fault = f"MPI cannot be started: {fault}"
+    return Finding(part, False, fault, remedy)
 
 
 def _fault_in(lines: Sequence[str]) -> str:

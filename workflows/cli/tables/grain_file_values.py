@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.lammps_inputs.message_words import counted
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.touching import rounding_of
@@ -57,7 +58,7 @@ def grain_file_rows(values: Mapping[str, Any] | None) -> Iterator[tuple[str, str
     """Yield the rows of `grain_file_values` for the table of a plan."""
     if values is None:
         return
-    yield "read", f"{values['n_grains']} grains of {values['file']} ({values['format']})"
+    yield "read", f"{counted(values['n_grains'], 'grain')} of {values['file']} ({values['format']})"
     yield "diameters", _sizes(values)
     yield "materials", _counts(values["materials"])
     if len(values["types"]) > 1:

@@ -69,7 +69,8 @@ def _packing_rows(assembly: Assembly, plan: Plan, values: Mapping[str, Any]) -> 
     grains = f"{plan.n_spheres}"
     if assembly.grains_called == GRAINS:
         n_spheres = plan.n_spheres - assembly.n_cylinders
-        grains += f": {n_spheres} spheres and {assembly.n_cylinders} cylinders"
+        cylinders = counted(assembly.n_cylinders, "cylinder")
+        grains += f": {counted(n_spheres, 'sphere')} and {cylinders}"
     yield assembly.grains_called, grains
     yield from grain_file_rows(values["packing_file"])
     if values["n_clumps"]:
@@ -116,10 +117,10 @@ def _contact_rows(found: Mapping[str, Any] | None) -> Rows:
     """Return rows on contacts of grains of a file that overlap or nearly touch."""
     if found is None:
         return
-    within = f"{found['n_within']} pairs within {found['tolerance_m']:.3g} m"
+    within = f"{counted(found['n_within'], 'pair')} within {found['tolerance_m']:.3g} m"
     last = f"last digit of the file: {found['last_place_m']:.3g} m"
     beyond = (
-        f"{found['n_beyond']} have a larger overlap, at most {found['largest_overlap_m']:.3g} m"
+        f"{found['n_beyond']} with a larger overlap, at most {found['largest_overlap_m']:.3g} m"
     )
     yield "touching in the file", f"{within} ({last}); {beyond}"
     way = found["way"]

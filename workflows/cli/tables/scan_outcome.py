@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from typing import Any
 
+from granwave.analysis.document.model import named
+from granwave.analysis.measures.incomplete_values import incomplete_in
 from granwave.analysis.measures.law_range import contacts_beyond_law
-from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, zone_marks
 from granwave.analysis.quantities import Quantity, quantity, scan_columns
 from granwave.analysis.scans.headline import headline
 from granwave.analysis.scans.means import means_of
-from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
+from granwave.analysis.scans.result import REDUCTION, PointResult, ScanResult, protects
 from granwave.workflows.cli.terminal import columns, in_shell
 from granwave.workflows.scanning.driver import ScanOutcome
 
 _MOST_ROWS = 40
+_MOST_LABELS = 6  # values that a sentence names
 _MOST_MEANS = 4  # quantities in the table of means
 
 
@@ -61,12 +66,12 @@ def outcome_text(outcome: ScanOutcome) -> str:
     if len(points) > _MOST_ROWS:
         text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
     text = f"{text}\n\n{_means_text(result)}" if points else ""
-    marks = [mark_of(point.summary) for point in points]
+    marks = [zone_marks(point.summary) for point in points]
     for mark, label in LABELS.items():
-        if count := marks.count(mark):
+        if count := sum(mark in of_point for of_point in marks):
             text += (
                 f"plastic zone: {label} in {count} of {len(points)} points, as marked in "
-                "figures and report\n\n"
+                "report and data of figures\n\n"
             )
     beyond = sum(contacts_beyond_law(point.summary) > 0 for point in points)
     if beyond:
@@ -74,11 +79,29 @@ def outcome_text(outcome: ScanOutcome) -> str:
             f"contacts beyond the range of the law (0.2 R*) in {beyond} of {len(points)} points, "
             "as marked in figures and report\n\n"
         )
+    text += _ends_in_words(points)
     counts = ", ".join(f"{getattr(outcome, name)} {name}" for name in ("done", "failed", "missing"))
     there = "the table"
     if (outcome.directory / "report.html").exists():
         there = "table, figures and report.html"
     return f"{text}{counts}; {there} in {outcome.directory}"
+
+
+def _ends_in_words(points: Sequence[PointResult]) -> str:
+    """Return a paragraph on values that the ends of runs limit, with the number of points; empty
+    without such values.
+    """
+    limited = [incomplete_in(point.summary) for point in points]
+    names = dict.fromkeys(itertools.chain.from_iterable(limited))
+    labels = [quantity(name).label for name in names]
+    labels = [f"{label[:1].lower()}{label[1:]}" for label in dict.fromkeys(filter(None, labels))]
+    if not labels:
+        return ""
+    return (
+        f"values that still change at the end of the run, in {sum(map(bool, limited))} of "
+        f"{len(points)} points, as marked in figures: {named(labels, _MOST_LABELS)}; increase "
+        "run.end_time\n\n"
+    )
 
 
 def _means_text(result: ScanResult) -> str:
