@@ -2,7 +2,7 @@
 
 A picture is a link to its file, so that a click or a tap enlarges it; below a picture that is wider
 than a telephone, a telephone says so. Names in code may break after an underscore, a dot and a
-slash, and not within a word. A number in a table stays on one line with its unit.
+slash, and not within a word. A number stays on one line with its unit.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ _CODE = re.compile(r'(?<=<span class="pre">)[^<]+(?=</span>)')
 #: Width of a picture that fits a telephone, pixels.
 NARROW = 450
 _BREAK = re.compile(r"(?<=[A-Za-z])([_./])(?=\w)")
-_CELL = re.compile(r"<t[dh]\b[^>]*>.*?</t[dh]>", re.DOTALL)
+_TEXT = re.compile(
+    r"<(?P<kept>pre|code|script|style|math|svg)\b.*?</(?P=kept)>|<[^>]+>|(?P<text>[^<]+)", re.DOTALL
+)
 _NUMBER_AND_UNIT = re.compile(
     r"(?<=\d) (?=(?:%|°|[µmkMG]?(?:m|s|N|J|g|Pa|Hz|GB)(?:/[mskg]{1,2}[²³]?)?)(?:[\s<,;.)]|$))"
 )
@@ -61,8 +63,16 @@ def with_breaks(body: str) -> str:
 
 
 def with_units(body: str) -> str:
-    """Return a page whose tables have a no-break space between a number and its unit."""
-    return _CELL.sub(lambda cell: _NUMBER_AND_UNIT.sub("\N{NO-BREAK SPACE}", cell[0]), body)
+    """Return a page whose text has a no-break space between a number and its unit; code and formulas
+    remain as they are.
+    """
+
+    def joined(piece: re.Match[str]) -> str:
+        if piece["text"] is None:
+            return piece[0]
+        return _NUMBER_AND_UNIT.sub("\N{NO-BREAK SPACE}", piece[0])
+
+    return _TEXT.sub(joined, body)
 
 
 def _widths(app: Sphinx) -> Callable[[str], int]:
