@@ -20,7 +20,8 @@ from granwave.workflows.file_kinds import file_kinds
 #: Entries of the index of manual pages, by page.
 ENTRIES = {
     "pair_gran_hysteretic": (
-        "LAMMPS pair style", "pair_coeff", "LAMMPS input script", "pair style of the contact law",
+        "LAMMPS pair style", "pair_coeff of the elastoplastic law", "LAMMPS input script",
+        "pair style of the contact law",
     ),
     "fix_wall_gran_hysteretic": ("walls in LAMMPS", "moving wall"),
     "compute_gran_hysteretic_local": ("dump of contacts", "compute of contact forces"),

@@ -63,8 +63,8 @@ def with_breaks(body: str) -> str:
 
 
 def with_units(body: str) -> str:
-    """Return a page whose text has a no-break space between a number and its unit; code and formulas
-    remain as they are.
+    """Return a page whose text has a no-break space between a number and its unit; code and
+    formulas remain as they are.
     """
 
     def joined(piece: re.Match[str]) -> str:

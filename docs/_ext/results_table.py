@@ -268,7 +268,10 @@ def _first_page(stored: Mapping[str, Any]) -> str:
     tree = "\n".join(f"{LABELS.get(name, name)} <results/{name}>" for name in names)
     return f"""# {_TITLE}
 
-```{{index}} ! papers, ! published experiments, ! validation, ! comparison with experiments, ! compare with experiments
+```{{index}} ! validation, ! comparison with experiments, ! compare with experiments
+```
+
+```{{index}} ! papers, ! published experiments
 ```
 
 {counts_in_words(stored)}

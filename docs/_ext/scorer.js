@@ -53,9 +53,9 @@ var Scorer = {
         (found[place][stem] = found[place][stem] || []).push(file);
       });
     index.titles.forEach((title, file) => add("title", title, file));
-    // entries of several words, or of a word; not names such as load.velocity
+    // entries without names such as load.velocity
     for (const [entry, places] of Object.entries(index.indexentries))
-      if (!/[._/]/.test(entry))
+      if (entry.includes(" ") || !/[._/]/.test(entry))
         places.filter(([, , main]) => main).forEach(([file]) => add("entry", entry, file));
     for (const [place, terms] of [["section", index.titleterms], ["text", index.terms]])
       for (const [stem, files] of Object.entries(terms)) found[place][stem] = Scorer.filesOf(files);

@@ -315,7 +315,7 @@ def _places(index: Index, stem: Callable[[str], str]) -> Places:
     for file, title in enumerate(index["titles"]):
         _add(titles, title, file, stem)
     for entry, places in index["indexentries"].items():
-        if not re.search("[._/]", entry):
+        if " " in entry or not re.search("[._/]", entry):
             for file, _, main in places:
                 if main:
                     _add(entries, entry, file, stem)

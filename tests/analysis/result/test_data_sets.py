@@ -1,4 +1,4 @@
-"""The list of the data sets of result.h5: runs write these data sets, with their units and shapes."""
+"""The list of the data sets of result.h5: runs write them, with their units and shapes."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_every_data_set_is_listed_with_its_unit_and_shape(files, name):
 
 
 def test_every_listed_data_set_is_written(files):
-    paths = {path for found in files.values() for path in found}
+    paths = set().union(*files.values())
     for entry in data_sets():
         assert any(map(entry.matches, paths)), f"{entry.path} is not in a result"
         assert entry.meaning, entry.path
