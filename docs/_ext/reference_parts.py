@@ -40,6 +40,7 @@ LAW_HEADERS = ROOT / "plugins" / "laws"
 sys.path.append(str(ROOT / "plugins" / "package"))
 from other_commands import other_commands  # noqa: E402  what the package's pages have, too
 
+_NO_BREAK = "\N{NO-BREAK SPACE}"
 _COLUMNS = 4  # pairs of columns of the table of constants
 _PLANE = re.compile(r"_(principal|orthogonal|section)$")
 _AT_PLANE = re.compile(r", (principal plane|perpendicular plane|plane of the case)$")
@@ -176,7 +177,9 @@ def _data_set(entry: DataSet) -> str:
     meaning = f"{entry.meaning[:1].upper()}{entry.meaning[1:]}."
     if entry.when:
         meaning += f" Only {entry.when}."
-    return f"| {name} | ({entry.shape}) | {printed_unit(entry.unit)} | {meaning} |"
+    unit = entry.unit.replace("-1", "⁻¹").replace(" ", _NO_BREAK)
+    shape = entry.shape.replace(" ", _NO_BREAK)
+    return f"| {name} | ({shape}) | {unit} | {meaning} |"
 
 
 def commands() -> str:
