@@ -24,7 +24,7 @@ extensions = [
     "math_font",  # the font of the equations, in _ext
     "index_entries",  # entries of the index for rows of tables, in _ext
     "menu_groups",  # headings of groups in the menu, in _ext
-    "page_elements",  # pictures that enlarge or scroll, and breaks in code, in _ext
+    "page_elements",  # pictures that enlarge, breaks in code, numbers and units, in _ext
     "notebook_links",  # links to the files of notebooks, in _ext
 ]
 html_math_renderer = "mathml"

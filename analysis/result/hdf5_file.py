@@ -100,6 +100,7 @@ _DERIVED = {
 _UNITS = {one.name: one.unit for one in (*LEDGER, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)}
 for _unit, _names in _DERIVED.items():
     _UNITS |= dict.fromkeys(_names.split(), _unit)
+_PRESSED_WALL_UNITS = {"moved": "m", "force": "N"}  # of /prestage, by the beginning of the column
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 
 # pieces of a column: first row, and a whole chunk or values
@@ -190,6 +191,8 @@ def unit_of(group: str, column: str) -> str:
     if group == "probes" and column not in ("step", "time"):
         quantity = column.rsplit("_", 1)[1]
         return _UNITS.get(quantity) or _PROBE_UNITS[quantity[0]]
+    if group == "prestage" and column.startswith(("moved_", "force_")):
+        return _PRESSED_WALL_UNITS[column.partition("_")[0]]
     return _UNITS.get(column, "1")
 
 

@@ -58,7 +58,23 @@ _FIXED = {
     "radius": (np.float64, "m"),
     "mass": (np.float64, "kg"),
 }
+_INSTANTS = {"step": (np.int64, "1"), "time": (np.float64, "s")}
+_OF_BOX = "m"  # unit of the data sets of the box
 QUANTITIES = (*_VECTORS, *_SCALARS)
+
+
+def unit_of_snapshots(name: str) -> str:
+    """Return the unit of a data set by its path below `GROUP`, such as ``velocity/value``."""
+    quantity, _, part = name.partition("/")
+    if quantity == "box":
+        return _OF_BOX
+    if part in _INSTANTS:
+        return _INSTANTS[part][1]
+    if not part:
+        return _FIXED[quantity][1]
+    if quantity in _VECTORS:
+        return _VECTORS[quantity]
+    return _SCALARS[quantity][1]
 
 
 def write_metadata(file: h5py.File, version: str) -> None:
@@ -153,7 +169,7 @@ def _write_box(group: h5py.Group, assembly: Assembly, start: Start) -> None:
     # lower is an extension of the standard, whose boxes start at 0
     low, high = start.box.T
     for name, data in (("edges", high - low), ("lower", low + assembly.deck_origin)):
-        box.create_dataset(name, data=data).attrs["unit"] = "m"
+        box.create_dataset(name, data=data).attrs["unit"] = _OF_BOX
 
 
 def _scalars_of(case: Case) -> dict[str, tuple[str, ...]]:
@@ -178,9 +194,8 @@ def _create_element(group: h5py.Group, name: str, n_spheres: int, n_chunk: int) 
         chunks=(1, n_chunk, *shape[1:]),
         **COMPRESSION,
     )
-    _, scalar_unit = _SCALARS.get(name, ((), ""))
-    values.attrs["unit"] = _VECTORS[name] if vector else scalar_unit
-    for instant, dtype, unit in (("step", np.int64, "1"), ("time", np.float64, "s")):
+    values.attrs["unit"] = unit_of_snapshots(f"{name}/value")
+    for instant, (dtype, unit) in _INSTANTS.items():
         if name == "position":
             data = element.create_dataset(instant, (0,), dtype, maxshape=(None,))
             data.attrs["unit"] = unit

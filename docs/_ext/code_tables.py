@@ -17,6 +17,26 @@ from sphinx.application import Sphinx
 from granwave.workflows.cli.keys.json_schema import schema_of
 from granwave.workflows.file_kinds import file_kinds
 
+#: Entries of the index of manual pages, by page.
+ENTRIES = {
+    "pair_gran_hysteretic": (
+        "LAMMPS pair style", "pair_coeff of the elastoplastic law", "LAMMPS input script",
+        "pair style of the contact law",
+    ),
+    "fix_wall_gran_hysteretic": ("walls in LAMMPS", "moving wall"),
+    "compute_gran_hysteretic_local": ("dump of contacts", "compute of contact forces"),
+    "compute_gran_hysteretic_energy": ("thermo output of energies",),
+}  # fmt: skip
+
+
+def with_entries(text: str, page: str) -> str:
+    """Return a manual page with its entries of the index below its title."""
+    if page not in ENTRIES:
+        return text
+    title, _, rest = text.partition("\n")
+    entries = ", ".join(f"! {entry}" for entry in ENTRIES[page])
+    return f"{title}\n\n```{{index}} {entries}\n```\n{rest}"
+
 
 def fill_in(_: Sphinx, __: str, source: list[str]) -> None:
     """Replace the marks of a page by the parts that they name."""
@@ -36,6 +56,7 @@ def copy_manual(app: Sphinx) -> None:
     names = [page.stem for page in pages.values() if page.stem != "index"]
     for path, page in pages.items():
         text = path.read_text(encoding="utf-8").replace("(README.md", "(index.md")
+        text = with_entries(text, page.stem)
         if page.stem == "index":
             text += "\n".join(["\n```{toctree}", ":hidden:", "", *names, "```\n"])
         if not page.exists() or page.read_text(encoding="utf-8") != text:

@@ -1,8 +1,8 @@
 """Pictures and code of the pages, for narrow screens.
 
-A picture is a link to its file, so that a click or a tap enlarges it. A picture that is wider than
-a telephone scrolls sideways in a box of its own, in the width at which its letters can be read.
-Names in code may break after an underscore, a dot and a slash, and not within a word.
+A picture is a link to its file, so that a click or a tap enlarges it; below a picture that is wider
+than a telephone, a telephone says so. Names in code may break after an underscore, a dot and a
+slash, and not within a word. A number stays on one line with its unit.
 """
 
 from __future__ import annotations
@@ -18,21 +18,15 @@ from sphinx.application import Sphinx
 _TAG = re.compile(r"<(?P<name>/?a|img)\b[^>]*>")
 _SOURCE = re.compile(r'\bsrc="([^":]+)"')  # a file of the site
 _CODE = re.compile(r'(?<=<span class="pre">)[^<]+(?=</span>)')
-#: Pixels: width of a picture that fits a telephone, and least width of a wider one.
+#: Width of a picture that fits a telephone, pixels.
 NARROW = 450
-LEAST = 600
-#: Width at which the letters of a wide picture can be read, divided by its own width.
-READABLE = 0.55
 _BREAK = re.compile(r"(?<=[A-Za-z])([_./])(?=\w)")
-
-
-def readable_width(width: int) -> int:
-    """Return the width at which a picture of some width in pixels is shown on a narrow screen; 0 if
-    it fits.
-    """
-    if width <= NARROW:
-        return 0
-    return min(width, max(LEAST, round(READABLE * width)))
+_TEXT = re.compile(
+    r"<(?P<kept>pre|code|script|style|math|svg)\b.*?</(?P=kept)>|<[^>]+>|(?P<text>[^<]+)", re.DOTALL
+)
+_NUMBER_AND_UNIT = re.compile(
+    r"(?<=\d) (?=(?:%|°|[µmkMG]?(?:m|s|N|J|g|Pa|Hz|GB)(?:/[mskg]{1,2}[²³]?)?)(?:[\s<,;.)]|$))"
+)
 
 
 def with_linked_pictures(body: str, width_of: Callable[[str], int] = lambda source: 0) -> str:
@@ -56,8 +50,8 @@ def with_linked_pictures(body: str, width_of: Callable[[str], int] = lambda sour
             continue
         parts.append(body[end : tag.start()])
         kind = 'class="picture"'
-        if width := readable_width(width_of(source[1])):
-            kind = f'class="picture wide" style="--readable: {width}px"'
+        if width_of(source[1]) > NARROW:
+            kind = 'class="picture wide"'
         parts.append(f'<a {kind} href="{source[1]}">{tag[0]}</a>')
         end = tag.end()
     return "".join(parts) + body[end:]
@@ -66,6 +60,19 @@ def with_linked_pictures(body: str, width_of: Callable[[str], int] = lambda sour
 def with_breaks(body: str) -> str:
     """Return a page whose code may break after separators within names."""
     return _CODE.sub(lambda code: _BREAK.sub(r"\1<wbr>", code[0]), body)
+
+
+def with_units(body: str) -> str:
+    """Return a page whose text has a no-break space between a number and its unit; code and
+    formulas remain as they are.
+    """
+
+    def joined(piece: re.Match[str]) -> str:
+        if piece["text"] is None:
+            return piece[0]
+        return _NUMBER_AND_UNIT.sub("\N{NO-BREAK SPACE}", piece[0])
+
+    return _TEXT.sub(joined, body)
 
 
 def _widths(app: Sphinx) -> Callable[[str], int]:
@@ -86,7 +93,8 @@ def _widths(app: Sphinx) -> Callable[[str], int]:
 
 def _change(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
     if doctree is not None and "body" in context:
-        context["body"] = with_breaks(with_linked_pictures(context["body"], _widths(app)))
+        body = with_linked_pictures(context["body"], _widths(app))
+        context["body"] = with_units(with_breaks(body))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -23,6 +23,8 @@ from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.formatting.values import printed_unit
 from granwave.analysis.quantities import ENTRIES, GROUPS, Quantity, entries
 from granwave.analysis.reports.kinds import report_kinds
+from granwave.analysis.result.data_sets import GROUPS as GROUPS_OF_DATA_SETS
+from granwave.analysis.result.data_sets import DataSet
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import lattice_kinds
@@ -38,6 +40,7 @@ LAW_HEADERS = ROOT / "plugins" / "laws"
 sys.path.append(str(ROOT / "plugins" / "package"))
 from other_commands import other_commands  # noqa: E402  what the package's pages have, too
 
+_NO_BREAK = "\N{NO-BREAK SPACE}"
 _COLUMNS = 4  # pairs of columns of the table of constants
 _PLANE = re.compile(r"_(principal|orthogonal|section)$")
 _AT_PLANE = re.compile(r", (principal plane|perpendicular plane|plane of the case)$")
@@ -154,6 +157,29 @@ def _table_of(shown: Sequence[Quantity], *, searched: bool = False) -> str:
             name = f"{_indexed(entry.name, anchor)}[{name}]{{#{anchor}}}"
         rows.append(f"| {name} | {printed_unit(entry.unit)} | {_escape(entry.label)} | {what} |")
     return "\n".join(["| value | unit | label | meaning |", "|---|---|---|---|", *rows])
+
+
+def result_data_sets() -> str:
+    """Return the data sets of result.h5, with a section for each group."""
+    sections = []
+    for title, listed in GROUPS_OF_DATA_SETS.items():
+        rows = [_data_set(entry) for entry in listed]
+        head = ["| data set | shape | unit | meaning |", "|---|---|---|---|"]
+        sections.append("\n".join([f"## {title}", "", *head, *rows]))
+    return "\n\n".join(sections)
+
+
+def _data_set(entry: DataSet) -> str:
+    """Return the row of a data set, with an anchor."""
+    path = f"/{entry.path}"
+    anchor = re.sub(r"[^a-z0-9]+", "-", f"h5-{entry.path}".lower())
+    name = f"[`{path}`]{{#{anchor}}}"
+    meaning = f"{entry.meaning[:1].upper()}{entry.meaning[1:]}."
+    if entry.when:
+        meaning += f" Only {entry.when}."
+    unit = entry.unit.replace("-1", "⁻¹").replace(" ", _NO_BREAK)
+    shape = entry.shape.replace(" ", _NO_BREAK)
+    return f"| {name} | ({shape}) | {unit} | {meaning} |"
 
 
 def commands() -> str:
@@ -392,6 +418,7 @@ PARTS: dict[str, Callable[..., str]] = {
     "fe_yield": fe_yield,
     "keys": keys_of,
     "quantities": quantities,
+    "result_data_sets": result_data_sets,
     "commands": commands,
     "cases": studies_of(library.CASES),
     "scans": studies_of(library.SCANS),

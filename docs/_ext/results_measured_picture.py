@@ -1,5 +1,6 @@
 """Figure of the comparisons with experiments on the first page of the site: our value and the error
-of the measurement, divided by the measured value.
+of the measurement, divided by the measured value. Names are above their rows, so that a telephone
+shows the figure in readable size.
 
 The figure contains the digest of its rows, so that a test detects an outdated figure.
 """
@@ -30,13 +31,14 @@ _CAPTION = (
     "bars: the error that the source states, where it states one.*"
 )
 # inches
-_WIDTH = 7.2
-_ROW = 0.24
-_LABELS = 4.0
+_WIDTH = 4.8
+_ROW = 0.36
 _BELOW = 0.5
 _ABOVE = 0.1
 _EDGE = 0.15
-_SMALL = 8  # points
+_SMALL = 9  # points
+_NAME = 0.38  # height of a name above its row, rows
+_WHITE = {"color": "white", "pad": 0.5}  # background of a name, which hides the line at 1
 
 
 def text() -> str:
@@ -76,17 +78,20 @@ def _figure(stored: Mapping[str, Any]) -> Figure:
     inside = _ROW * len(entries)
     height = _ABOVE + inside + _BELOW
     figure = plt.figure(figsize=(_WIDTH, height))
-    width = (_WIDTH - _LABELS - _EDGE) / _WIDTH
-    axes = figure.add_axes((_LABELS / _WIDTH, _BELOW / height, width, inside / height))
+    width = (_WIDTH - 2 * _EDGE) / _WIDTH
+    axes = figure.add_axes((_EDGE / _WIDTH, _BELOW / height, width, inside / height))
     axes.axvline(1.0, color=GREY, lw=0.8, zorder=0)
-    for place, (_, ratio, error) in enumerate(entries):
+    for place, (name, ratio, error) in enumerate(entries):
+        axes.text(
+            0.01, place - _NAME, name, fontsize=_SMALL, va="center", bbox=_WHITE,
+            transform=axes.get_yaxis_transform(),
+        )  # fmt: skip
         if error:
             axes.errorbar(1.0, place, xerr=error, ecolor=ORANGE, capsize=2, lw=1)
         axes.plot(1.0, place, "D", ms=5.5, mfc="white", mec=ORANGE, mew=1.2, zorder=2)
         axes.plot(ratio, place, "o", ms=4.2, color=BLUE, zorder=3)
-    axes.set_yticks(range(len(entries)), [name for name, *_ in entries], fontsize=_SMALL)
-    axes.tick_params(axis="y", length=0)
+    axes.set_yticks([])
     axes.tick_params(axis="x", labelsize=_SMALL)
-    axes.set_ylim(len(entries) - 0.5, -0.5)
+    axes.set_ylim(len(entries) - 0.6, -0.7)
     axes.set_xlabel("value / measured value", fontsize=_SMALL)
     return figure

@@ -268,6 +268,9 @@ def _first_page(stored: Mapping[str, Any]) -> str:
 ```{{index}} ! validation, ! comparison with experiments, ! compare with experiments
 ```
 
+```{{index}} ! papers, ! published experiments
+```
+
 {counts_in_words(stored)}
 
 {_MESSAGE}

@@ -4,14 +4,16 @@ first results.
     python docs/_ext/search.py build/docs          # exit status 1, and a line for each word that does not
     python docs/_ext/search.py build/docs WORD     # the first results of a word
 
-The ranking is that of Sphinx's ``searchtools.js`` with the weights in ``scorer.js``, on the index
-that the browser reads: titles, entries of the index, Python objects, words of the text. A word that
-does not occur on the page gets an index entry at the passage with the answer.
+The ranking is that of Sphinx's ``searchtools.js`` with the weights and the search of words of
+``scorer.js``, on the index that the browser reads: titles, entries of the index, Python objects,
+words of the text. A word that does not occur on the page gets an index entry at the passage with
+the answer.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -21,9 +23,7 @@ from typing import Any, NamedTuple
 FIRST = 3  # results among which the page is expected
 FIRST_OF_HEADS = 2  # results among which the page of HEADS is expected
 _TITLE = 15
-_PART_OF_TITLE = 7
-_TERM = 5
-_PART_OF_TERM = 2
+_SHORT = 2  # characters of words that are not looked for within words
 _OBJECT = 11
 _PART_OF_OBJECT = 6
 _PRIORITY = {0: 15, 1: 5, 2: -5}
@@ -34,6 +34,10 @@ SCORER = Path(__file__).with_name("scorer.js").read_text(encoding="utf-8")
 ROOMS: dict[str, int] = json.loads(re.search(r"rooms: (\{.*?\})", SCORER, re.DOTALL)[1])
 #: Weight of a title that contains all words of the query; it decides between equal results.
 TITLE_WORDS = float(re.search(r"titleWords: ([\d.]+)", SCORER)[1])
+#: Weights of a word by its place on the page: of the whole word, and of a word that contains it.
+WORD_WEIGHTS: dict[str, tuple[int, int]] = json.loads(
+    re.search(r"wordWeights: (\{.*?\})", SCORER, re.DOTALL)[1]
+)
 #: Words that people look for, and the page that answers, by name below ``docs`` without its suffix.
 WORDS = {
     "howto/struck-packings": ("impactor", "striker", "projectile", "oblique impact"),
@@ -128,6 +132,32 @@ HEADS = {
     "killed run": "howto/stop-and-resume",
     "group velocity": "extensions/waves/bands",
 }
+#: Whole questions as users type them, whose page is expected among the first `FIRST` results.
+QUESTIONS = {
+    "pair style LAMMPS input": "reference/styles/pair_gran_hysteretic",
+    "Young's modulus": "reference/materials",
+    "striker velocity": "howto/struck-packings",
+    "prescribe velocity of striker": "howto/struck-packings",
+    "fit measured curve": "extensions/continuum/fit-a-law",
+    "units of force summary.json": "reference/quantities",
+    "moving piston": "howto/driven-rows",
+    "plugin load": "tutorials/lammps-script",
+    "build LAMMPS with package": "howto/lammps-package",
+    "restart file": "lammps/restart",
+    "dump contact forces": "lammps/contacts",
+    "fix wall gran": "reference/styles/fix_wall_gran_hysteretic",
+    "pair_coeff elastoplastic": "reference/styles/pair_gran_hysteretic",
+    "kokkos threads": "howto/own-lammps",
+    "read result.h5 in MATLAB": "reference/result-h5",
+    "number of MPI processes": "howto/own-lammps",
+    "thermo output energy": "reference/styles/compute_gran_hysteretic_energy",
+    "freeze bottom layer": "reference/styles/other_commands",
+    "rigid body fix": "lammps/clumps",
+    "equations of the law": "explanation/contact-law",
+    "figure for a paper": "howto/more-questions",
+    "which papers": "explanation/results",
+    "Slurm with MPI": "tutorials/cluster",
+}
 #: Passages that the first result of a word opens.
 PASSAGES = {
     "zone_depth_90_m": "reference/quantities#zone-depth-90-m",
@@ -178,7 +208,7 @@ def search(
     objects = [
         one for word in dict.fromkeys(map(str.lower, words)) for one in _objects(index, word, words)
     ]
-    found = [*_titles(index, asked), *main, *objects, *_texts(index, list(stems))]
+    found = [*_titles(index, asked), *main, *objects, *_texts(index, list(stems), stem)]
     # entries that are not marked as the main ones come last
     ordered = [
         *_ordered(_weighted(result, query) for result in found),
@@ -272,27 +302,73 @@ def _objects(index: Index, word: str, words: list[str]) -> Iterator[Result]:
                 )
 
 
-def _texts(index: Index, stems: list[str]) -> Iterator[Result]:
-    """Pages that contain all words, in their text or a title."""
-    scores: dict[int, dict[str, int]] = {}
+#: Files of each stem, by the place of the word: title, entry, section, text.
+Places = Mapping[str, Mapping[str, list[int]]]
+
+
+def _places(index: Index, stem: Callable[[str], str]) -> Places:
+    """Return the files of each stem in titles, main entries of the index, titles of sections and
+    texts; entries that are names, such as load.velocity, are left out.
+    """
+    titles: dict[str, list[int]] = {}
+    entries: dict[str, list[int]] = {}
+    for file, title in enumerate(index["titles"]):
+        _add(titles, title, file, stem)
+    for entry, places in index["indexentries"].items():
+        if " " in entry or not re.search("[._/]", entry):
+            for file, _, main in places:
+                if main:
+                    _add(entries, entry, file, stem)
+    sections = {word: _files(files) for word, files in index["titleterms"].items()}
+    texts = {word: _files(files) for word, files in index["terms"].items()}
+    return {"title": titles, "entry": entries, "section": sections, "text": texts}
+
+
+def _add(table: dict[str, list[int]], text: str, file: int, stem: Callable[[str], str]) -> None:
+    for word in re.findall(r"\w+", text.lower()):
+        table.setdefault(stem(word), []).append(file)
+
+
+def _files(files: int | list[int]) -> list[int]:
+    return files if isinstance(files, list) else [files]
+
+
+def _weights_of(word: str, places: Places) -> dict[int, int]:
+    """Return the best weight of a stem on each page that has it, or a word that contains it."""
+    weights: dict[int, int] = {}
+    for place, (whole, part) in WORD_WEIGHTS.items():
+        table = places[place]
+        if word in table or len(word) <= _SHORT:
+            stems = [word]
+        else:
+            stems = [one for one in table if word in one]
+        for one in stems:
+            weight = whole if one == word else part
+            for file in table.get(one, ()):
+                weights[file] = max(weight, weights.get(file, 0))
+    return weights
+
+
+def _texts(index: Index, stems: list[str], stem: Callable[[str], str]) -> Iterator[Result]:
+    """Pages that contain words of the query; see `scorer.js`."""
+    places = _places(index, stem)
+    sums: dict[int, float] = {}
+    covered: dict[int, float] = {}
+    total = 0.0
     for word in stems:
-        for table, whole, part in (
-            ("terms", _TERM, _PART_OF_TERM),
-            ("titleterms", _TITLE, _PART_OF_TITLE),
-        ):
-            files = index[table]
-            alike = (
-                [term for term in files if word in term]
-                if len(word) > 2 and word not in files
-                else []
-            )
-            for term in [word] if word in files else alike:
-                for file in files[term] if isinstance(files[term], list) else [files[term]]:
-                    scores.setdefault(file, {})[word] = whole if term == word else part
-    long = sum(len(word) > 2 for word in stems)
-    for file, found in scores.items():
-        if len(found) in (len(stems), long):
-            yield Result(index["docnames"][file], index["titles"][file], "", max(found.values()))
+        weights = _weights_of(word, places)
+        if not weights:
+            continue
+        rarity = math.log(1 + len(index["docnames"]) / len(weights))
+        total += rarity
+        for file, weight in weights.items():
+            sums[file] = sums.get(file, 0.0) + rarity * weight
+            covered[file] = covered.get(file, 0.0) + rarity
+    most = max(covered.values(), default=0.0)
+    for file, fraction in covered.items():
+        if fraction >= most / 2:
+            score = sums[file] / total * (fraction / total) ** 2
+            yield Result(index["docnames"][file], index["titles"][file], "", score)
 
 
 def missed(
@@ -311,6 +387,7 @@ def missed(
     expected = []
     for page, words in WORDS.items():
         expected += [(word, page, FIRST) for word in words]
+    expected += [(word, page, FIRST) for word, page in QUESTIONS.items()]
     expected += [(word, page, FIRST_OF_HEADS) for word, page in HEADS.items()]
     for word, page, number in expected:
         first = [one.page for one in search(index, word, stem, stopwords)[:number]]
@@ -333,7 +410,7 @@ def main(site: str, *query: str) -> int:
             print(f"{one.score:4g}  {one.page}{one.anchor}  {one.title} {one.description}")
         return 0
     faults = missed(index, language.stem, language.stopwords)
-    number = sum(map(len, WORDS.values())) + len(HEADS) + len(PASSAGES)
+    number = sum(map(len, WORDS.values())) + len(QUESTIONS) + len(HEADS) + len(PASSAGES)
     print("\n".join(faults) or f"{number} words find their pages")
     return 1 if faults else 0
 

@@ -215,7 +215,7 @@ def fill_in(_: Sphinx, name: str, source: list[str]) -> None:
             ]
         )
         source[0] = source[0].replace(
-            "<!-- gallery -->", f"::::{{grid}} 1 2 2 3\n:gutter: 3\n\n{cards}\n::::\n\n{tree}"
+            "<!-- gallery -->", f"::::{{grid}} 1 2 2 2\n:gutter: 3\n\n{cards}\n::::\n\n{tree}"
         )
 
 

@@ -27,7 +27,7 @@ with gw.style():
     axes.plot(places, energies, "o-", color="C0", markersize=3, label="aluminium among brass")
     axes.axhline(brass, color="C5", linestyle="--", label="brass only")
     axes.set(
-        xlabel="position of the aluminium bead, from the impacted end",
+        xlabel="bead of aluminium (1: impacted end)",
         ylabel="energy in the bar (J)",
     )
     axes.legend()

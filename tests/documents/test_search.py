@@ -4,7 +4,10 @@ index, and its words.
 
 from __future__ import annotations
 
+import json
 import re
+import shutil
+import subprocess
 
 import pytest
 
@@ -43,14 +46,14 @@ def found(query: str) -> list[str]:
     [
         (
             "drop test",
-            ["armour#index-0 100", "chain 5"],
-        ),  # an entry of the index before words of texts
+            ["armour#index-0 100", "armour 12", "chain 5"],
+        ),  # an entry of the index before its words, and these before words of texts
         ("the plates", ["armour 5"]),  # a stem, and a word that is not looked for
         ("dents", ["dents 16.9"]),  # a title, once
         (
             "chain",
-            ["python#gw.chain 16", "chain 15.9", "dents 15", "python 5"],
-        ),  # an object, titles, a text
+            ["python#gw.chain 16", "chain 15.9", "dents 9", "python 5"],
+        ),  # an object, a title, a title of a section, a text
         ("beads", ["chain 5", "dents 5"]),
         (
             "bead",
@@ -58,7 +61,11 @@ def found(query: str) -> list[str]:
         ),  # an entry that is not the main one comes last
         ("targ", ["armour 7.9"]),  # a part of a word of a title
         ("measures", ["python#module-gw.measures 26"]),
-        ("plate bead", []),  # all words are asked for
+        (
+            "plate bead",
+            ["armour 1.0496", "chain 0.333836", "dents 0.333836"],
+        ),  # no page has both words: pages with one of them, the rarer word first
+        ("drop piston", ["armour 12", "chain 5"]),  # a word that no page has does not count
         ("nothing", []),
     ],
 )
@@ -78,7 +85,7 @@ def test_words_in_the_title_order_equal_results():
         "titleterms": {},
     }
     results = SEARCH.search(index, "force chains", lambda word: word.removesuffix("s"), set())
-    assert [(one.page, one.score) for one in results] == [("b", 5.9), ("c", 5.9), ("a", 5)]
+    assert [(one.page, one.score) for one in results] == [("b", 15.9), ("c", 15.9), ("a", 5)]
     assert SEARCH.part_in_title("Force chains", "chains of sand") == pytest.approx(1 / 3)
     assert SEARCH.part_in_title("Mass", "as") == 0
     assert SEARCH.part_in_title("Mass", "") == 0
@@ -98,6 +105,37 @@ def test_pages_of_frequent_words_are_expected_among_two_results():
         assert word in entries, f"{page} has no entry of the index for {word}"
 
 
+def test_questions_have_pages():
+    assert len(SEARCH.QUESTIONS) > 16
+    for page in SEARCH.QUESTIONS.values():
+        if not page.startswith("reference/styles/"):  # copied when the site is built
+            assert (ROOT / "docs" / f"{page}.md").is_file(), page
+
+
+PROGRAM = """
+const Search = {_index: INDEX};
+const SearchResultKind = {text: "text"};
+const splitQuery = (query) => query.split(/[^\\w]+/).filter((word) => word);
+class Stemmer { stemWord(word) { return word.replace(/s$/, ""); } }
+SCORER
+const found = Search.performTermsSearch(new Set(WORDS), new Set([]));
+console.log(JSON.stringify(found.map((one) => [one[0], one[4]])));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
+@pytest.mark.parametrize("words", [["chain"], ["drop", "test"], ["plate", "bead"], ["targ"]])
+def test_the_browser_finds_the_pages_of_the_check(words):
+    parts = {"INDEX": INDEX | {"filenames": INDEX["docnames"]}, "WORDS": words}
+    program = PROGRAM.replace("SCORER", SEARCH.SCORER)
+    for name, part in parts.items():
+        program = program.replace(name, json.dumps(part), 1)
+    printed = subprocess.run(["node", "-e", program], capture_output=True, text=True, check=True)
+    expected = SEARCH._texts(INDEX, words, lambda word: word.removesuffix("s"))
+    scores = {one.page: one.score for one in expected}
+    assert dict(json.loads(printed.stdout)) == pytest.approx(scores)
+
+
 def test_words_have_pages():
     for page, words in SEARCH.WORDS.items():
         assert (ROOT / "docs" / f"{page}.md").is_file(), page
@@ -110,9 +148,11 @@ def test_what_is_missed_is_named(monkeypatch):
     monkeypatch.setattr(SEARCH, "WORDS", {"armour": ("drop test",), "dents": ("plate",)})
     monkeypatch.setattr(SEARCH, "HEADS", {"plates": "dents"})
     monkeypatch.setattr(SEARCH, "PASSAGES", {"drop test": "armour#index-0", "plate": "dents#row"})
-    passage, line, head = SEARCH.missed(INDEX, str, frozenset())
+    monkeypatch.setattr(SEARCH, "QUESTIONS", {"moving plate": "dents"})
+    passage, line, question, head = SEARCH.missed(INDEX, str, frozenset())
     assert passage == "plate: expected dents#row first, found armour"
     assert line == "plate: expected dents among the first 3 results, found armour"
+    assert question == "moving plate: expected dents among the first 3 results, found armour"
     assert head == "plates: expected dents among the first 2 results, found nothing"
 
 
