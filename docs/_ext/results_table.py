@@ -147,7 +147,7 @@ def write_pages(stored: Mapping[str, Any]) -> None:
     results_coverage.write_page(stored)
     for page, table in tables_elsewhere(stored).items():
         text = with_block(page.read_text(encoding="utf-8"), table)
-        replace_text(page, with_counts(text, counts_in_words(stored)))
+        replace_text(page, with_counts(text, printed_in_words(stored)))
 
 
 def is_stale(picture: Path, stored: Mapping[str, Any], labels: Mapping[str, str]) -> bool:
@@ -167,20 +167,26 @@ def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
     }
 
 
-def counts_in_words(stored: Mapping[str, Any]) -> str:
-    """Return sentences on the number of compared values of each kind, and on their agreement."""
+def printed_in_words(stored: Mapping[str, Any]) -> str:
+    """Return a sentence on the values that sources print, and on their agreement."""
     printed = results_picture.printed_values(stored)
     always = [max(offs) for offs in printed]
     once = [min(offs) for offs in printed]
+    return (
+        f"Of {len(printed)} values that the sources print, {_close(once)} agree within 10 % in at "
+        f"least one comparison, and {_close(always)} in every comparison."
+    )
+
+
+def counts_in_words(stored: Mapping[str, Any]) -> str:
+    """Return sentences on the number of compared values of each kind, and on their agreement."""
     bounds = list(itertools.chain.from_iterable(map(bounds_of, stored["suites"].values())))
     _, theory, verifications = (_deviations(stored, kind) for kind in results_picture.KINDS)
     return (
-        f"Sources print {len(printed)} of the compared values. {_close(once)} agree within 10 % in "
-        f"at least one comparison, {_close(always)} in every comparison. Theory gives "
-        f"{len(theory)} values, of which {_close(theory)} agree within 10 %. For {len(bounds)} "
-        f"values the reference is only a limit (at most, at least); {sum(map(holds, bounds))} are "
-        f"within their limit. {len(verifications)} values test the code only, against a second "
-        "solver or a formula."
+        f"{printed_in_words(stored)} Theory gives {len(theory)} values, of which {_close(theory)} "
+        f"agree within 10 %. For {len(bounds)} values the reference is only a limit (at most, at "
+        f"least); {sum(map(holds, bounds))} are within their limit. {len(verifications)} values "
+        "test the code only, against a second solver or a formula."
     )
 
 
@@ -196,7 +202,7 @@ def _close(deviations: Sequence[float]) -> str:
 
 
 def with_counts(text: str, sentences: str) -> str:
-    """Return a text whose sentences on the numbers of values are replaced, if it has any."""
+    """Return a text whose sentence on the numbers of values is replaced, if it has one."""
     return _COUNTS.sub(lambda found: f"{found[1]}{sentences}{found[3]}", text)
 
 

@@ -86,7 +86,7 @@ def test_pages_are_made_of_the_stored_rows():
     for page, table in TABLE.tables_elsewhere(STORED).items():
         text = page.read_text(encoding="utf-8")
         assert TABLE.with_block(text, table) == text, f"{page.name}: {AGAIN}"
-        counts = TABLE.counts_in_words(STORED)
+        counts = TABLE.printed_in_words(STORED)
         assert TABLE.with_counts(text, counts) == text, f"{page.name}: {AGAIN}"
         assert (counts in text) == (page != TABLE.PAPER)
 
