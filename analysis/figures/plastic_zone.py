@@ -30,9 +30,10 @@ _NOTHING = 1e-12  # fraction of the energy that is due to rounding
 #: lines at the same distance are both seen.
 _EDGES = {"depth": (0, (3, 3)), "radius": (3, (3, 3))}
 _STYLES = {
-    "depth": (BLUE, "-", "o", BOTTOM),
-    "radius": (ORANGE, "--", "s", SIDES),
+    "depth": (BLUE, "-", BOTTOM),
+    "radius": (ORANGE, "--", SIDES),
 }
+_MARKER = "o"  # of the sizes, on both curves
 _MARKER_SIZE = 4  # points
 _SAME = 1e-9  # relative difference of distances that are equal up to rounding
 
@@ -134,7 +135,7 @@ def draw_zone_size(
     columns: dict[str, Sequence[float] | Array] = {}
     reach = 0.0
     for name, values in distances.items():
-        colour, line, marker, bound = _STYLES[name]
+        colour, line, bound = _STYLES[name]
         place, outside = _outside(values, energy)
         axes.step(
             place * _MILLI,
@@ -150,11 +151,10 @@ def draw_zone_size(
         axes.plot(
             np.array(sizes) * _MILLI,
             left,
-            marker,
+            _MARKER,
             color=colour,
             markerfacecolor=face,
             markersize=_MARKER_SIZE,
-            label=f"{name} with 50, 90, 99 %",
         )
         beyond = np.flatnonzero(outside > _LEAST)  # all energy is at distance 0
         reach = max(
@@ -183,6 +183,16 @@ def draw_zone_size(
     outside_of_all = "Plastic dissipation\nbeyond / total"
     title = f"{title[:1].upper()}{title[1:]} (mm), ${unit}$ = {diameter * _MILLI:.4g} mm"
     label(axes, title, outside_of_all, log="y", **limits)
+    face = "white" if bounds else GREY
+    axes.plot(
+        [],
+        [],
+        _MARKER,
+        color=GREY,
+        markerfacecolor=face,
+        markersize=_MARKER_SIZE,
+        label="contains 50, 90, 99 %",
+    )
     legend_above(axes, 2, fontsize=7)  # three columns are wider than the figure
     return Drawing(figure, columns)
 

@@ -95,7 +95,7 @@ def test_half_units(texts: list[str], half: list[float]) -> None:
 
 
 def test_a_row_of_quotes_left_open_is_one_row() -> None:
-    with pytest.raises(ValueError, match="line 2: found 1 values, expected 2"):
+    with pytest.raises(ValueError, match="line 2: found 1 value, expected 2"):
         read_text_table('a,b\n"0,0\n1,1\n')
     table = read_text_table('a,b\n0,"1 # 2\n1,x\n')
     assert table.words(1) == ["1 # 2", "x"]
