@@ -19,6 +19,8 @@ _STATIC = "with `[precompression]`"
 _LOSS = "with damping in contacts"
 _ADAPTIVE = "with an automatic timestep"
 _MOVING = "for a bottom plate or half-space, and for a plate as load"
+_SUPPORTED = "for a bottom plate or half-space"
+_PRESSED = "with pressed walls; `NAME` is `x`, `y` or `tube`"
 _RESISTANCE = "with rolling or twisting resistance"
 _BARS = "with `[bar]` or `[incident_bar]`"
 _WEIGHT = "for grains that settle under their own weight"
@@ -186,14 +188,14 @@ _ENERGY = _of(
         (
             "support",
             "energy of the moving bottom: springs and kinetic energy",
-            "for a bottom plate or half-space",
+            _SUPPORTED,
         ),
         (
             "support_lost",
             "part of the dissipated energy, in the damper of the bottom",
-            "for a bottom plate or half-space",
+            _SUPPORTED,
         ),
-        ("target", "work of the spheres on the moving bottom", "for a bottom plate or half-space"),
+        ("target", "work of the spheres on the moving bottom", _SUPPORTED),
         ("bar", "energy of the bar", "with `[bar]`"),
         ("incident_bar", "energy of the incident bar", "with `[incident_bar]`"),
         ("struck_velocity", "mean velocity of the impacted spheres or strikers along the load"),
@@ -258,12 +260,12 @@ _PRESTAGE = _of(
         (
             "moved_NAME",
             "displacement of the pressed walls",
-            "with pressed walls; `NAME` is `x`, `y` or `tube`",
+            _PRESSED,
         ),
         (
             "force_NAME",
             "mean force on the pressed walls",
-            "with pressed walls; `NAME` is `x`, `y` or `tube`",
+            _PRESSED,
         ),
     ],
 )

@@ -27,6 +27,10 @@ _DEPTH = "zone_depth_90_interpolated_m"
 #: Values that the sentences state, directly or as their ratio.
 _OF_FORCE = (_FORCE, "wall_dynamic_peak_force_N", "target_peak_force_N", _REDUCTION)
 _OF_DEPTH = (_DEPTH, "zone_depth_90_m")
+_DEPTH_OF_ZONE = "The 90 % depth of the plastic zone, interpolated between layers,"
+#: Ratio of a value to the best one.
+_TIMES_HIGH = "{} times as high"
+_TIMES_DEEP = "{} times as deep"
 _SAME = 5e-3  # relative difference of results that are called equal
 _IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
 _ROUNDING = 1e-12  # relative difference of results that differ by rounding only
@@ -131,14 +135,22 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str], dependenc
         static = [static_force_at_bottom(run) for run in runs]
         force = "peak dynamic force" if any(static) else "peak force"
         entries = _entries(_FORCE, runs, names, static)
-        phrase = _phrase_of_force(force, place, dependence)
+        phrase = _phrase_of_force(force, place)
+        if dependence:
+            phrase = _phrase_of_dependence(f"The {force} on the {place}", dependence, _TIMES_HIGH)
         return _ordered(phrase, entries, partial(quantity_in, unit="N"), compared)
     relative = [_Entry(entry.name, 1 / entry.value) for entry in _entries(_REDUCTION, runs, names)]
-    phrase = _phrase_of_reduction(place, dependence)
+    name = (
+        f"Inputs differ; the peak force on the {place} relative to the same impact without the "
+        "packing"
+    )
+    phrase = _phrase_of_reduction(name)
+    if dependence:
+        phrase = _phrase_of_dependence(name, dependence, _TIMES_HIGH)
     return _ordered(phrase, relative, number, compared)
 
 
-def _phrase_of_force(force: str, place: str, dependence: str) -> _Phrase:
+def _phrase_of_force(force: str, place: str) -> _Phrase:
     """Return the templates for the force on the bottom.
 
     Parameters
@@ -147,36 +159,40 @@ def _phrase_of_force(force: str, place: str, dependence: str) -> _Phrase:
         Name of the force.
     place
         Place of the force: bottom or target.
-    dependence
-        As of `protection_rankings`.
     """
-    equal = f"The {force} on the {place} is {{}}"
-    times = "{} times as high"
-    if dependence:
-        depends = f"The {force} on the {place} depends on {dependence}: it is {{2}} in {{0}}"
-        return _Phrase(depends, depends, equal, times, "", "")
     return _Phrase(
         f"{{}} protects the {place} {{}}: its {force} is {{}}",
         f"{{}} protect the {place} {{}}: their {force} is {{}}",
-        equal,
-        times,
+        f"The {force} on the {place} is {{}}",
+        _TIMES_HIGH,
         "better",
         "best",
     )
 
 
-def _phrase_of_reduction(place: str, dependence: str) -> _Phrase:
-    """Return the templates for the force relative to the impact without the packing; parameters as
-    of `_phrase_of_force`.
+def _phrase_of_reduction(relative: str) -> _Phrase:
+    """Return the templates for the force relative to the impact without the packing, from its
+    name.
     """
-    relative = (
-        f"Inputs differ; the peak force on the {place} relative to the same impact without the "
-        "packing"
-    )
     ordered = f"{relative} is {{1}}, {{2}}, in {{0}}"
-    if dependence:
-        ordered = f"{relative} depends on {dependence}: it is {{1}}, {{2}}, in {{0}}"
-    return _Phrase(ordered, ordered, f"{relative} is {{}}", "{} times as high", "lower", "lowest")
+    return _Phrase(ordered, ordered, f"{relative} is {{}}", _TIMES_HIGH, "lower", "lowest")
+
+
+def _phrase_of_dependence(value: str, dependence: str, times: str) -> _Phrase:
+    """Return the templates for a value that depends on settings of the model, and ranks no runs.
+
+    Parameters
+    ----------
+    value
+        Name of the value, at the beginning of a sentence.
+    dependence
+        As of `protection_rankings`.
+    times
+        As of `_Phrase`.
+    """
+    settings = dependence.replace("{", "{{").replace("}", "}}")  # names of runs may have braces
+    depends = f"{value} depends on {settings}: it is {{2}} in {{0}}"
+    return _Phrase(depends, depends, f"{value} is {{}}", times, "", "")
 
 
 def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str], dependence: str) -> str:
@@ -189,7 +205,9 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str], dependenc
     entries = _entries(
         _DEPTH, [runs[place] for place in complete], [names[place] for place in complete]
     )
-    phrase = _phrase_of_depth(dependence)
+    phrase = _phrase_of_depth()
+    if dependence:
+        phrase = _phrase_of_dependence(_DEPTH_OF_ZONE, dependence, _TIMES_DEEP)
     text = _ordered(phrase, entries, partial(quantity_in, unit="m"), names)
     without = [
         name
@@ -201,21 +219,13 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str], dependenc
     return f"{text} No plastic dissipation below the impact: {', '.join(without)}."
 
 
-def _phrase_of_depth(dependence: str) -> _Phrase:
-    """Return the templates for the depth of the plastic zone; ``dependence`` as of
-    `protection_rankings`.
-    """
-    depth = "90 % depth of the plastic zone, interpolated between layers,"
-    equal = f"The {depth} is {{}}"
-    times = "{} times as deep"
-    if dependence:
-        depends = f"The {depth} depends on {dependence}: it is {{2}} in {{0}}"
-        return _Phrase(depends, depends, equal, times, "", "")
+def _phrase_of_depth() -> _Phrase:
+    """Return the templates for the depth of the plastic zone."""
     return _Phrase(
         "{} has the {} plastic zone: its 90 % depth, interpolated between layers, is {}",
         "{} have the {} plastic zones: their 90 % depth, interpolated between layers, is {}",
-        equal,
-        times,
+        f"{_DEPTH_OF_ZONE} is {{}}",
+        _TIMES_DEEP,
         "shallower",
         "shallowest",
     )

@@ -77,3 +77,15 @@ def test_friction_is_a_property_of_the_packing(tmp_path):
     comparison = comparison_of(tmp_path, {"contact.friction": 0.2}, {"contact.friction": 0.4})
     assert comparison.protection[0].startswith("b protects the bottom better")
     assert "also differ" not in comparison.protection[0]
+
+
+def test_names_of_runs_may_have_braces(tmp_path):
+    runs = []
+    for name, law in (("{a}", "hertz"), ("b{", "bilinear")):
+        values = {"wall_peak_force_N": 1000.0 + 500.0 * len(runs), "energy_input_J": 0.05}
+        runs.append(write_run(tmp_path / name, figures=False, contact__law=law, **values))
+    comparison = compare_runs(list(read_inputs(runs, tmp_path).runs))
+    assert comparison.protection[0] == (
+        "The peak force on the bottom depends on the contact law (hertz in {a}, bilinear in b{): "
+        "it is 1 kN in {a}, compared with 1.5 kN in b{ (1.5 times as high)."
+    )
